@@ -134,7 +134,7 @@ def plot_chain(self: ChainMotion, path: str | os.PathLike[str] | None = None) ->
 
 
 def chain_to_dataset(self: ChainMotion, samples: int = 201) -> xr.Dataset:
-    """The motion as an xarray.Dataset with dimensions body, contact and t: values of each, and samples while forces act."""
+    """The motion as an xarray.Dataset over body, contact and t: values of each, and samples while forces act."""
     import film_datasets
 
     return film_datasets.to_dataset(self, samples)

@@ -14,6 +14,8 @@ if TYPE_CHECKING:
 MOST_ROWS = 8
 """Rows of a table without --verbose, half of them at its end."""
 
+ROUNDING = 1e-11
+
 NOT_FOR_CHAINS = ("strobe", "segments", "linearisation", "derivatives")
 
 
@@ -46,9 +48,10 @@ def run_chain(options: argparse.Namespace) -> int:
 
 
 def _text(motion: ChainMotion, verbose: bool) -> str:
-    from film_model.base.units import format_si
     from film_model.solve.chain_motion import BODIES, CONTACTS
 
+    energy = motion.energy
+    whole = max(energy.kinetic_before + energy.weight, energy.kinetic_after)
     laws = ", ".join(dict.fromkeys(motion.laws))
     lines = [motion.chain.title or "Chain", f"law {laws}; {motion.outcome}"]
     short = [name for name in CONTACTS if name != "contact_ends"]
@@ -57,24 +60,30 @@ def _text(motion: ChainMotion, verbose: bool) -> str:
         lines += ["", f"  {what:8}" + "".join(f"{_head(name):>18}" for name in names)]
         rows = motion.rows(names)
         for number, row in _shown(rows, len(rows) if verbose else MOST_ROWS):
-            cells = (
-                "-" if v is None else format_si(v, kind, 5) for v, kind in zip(row.values(), dimensions, strict=True)
-            )
+            cells = (_cell(value, kind, whole) for value, kind in zip(row.values(), dimensions, strict=True))
             lines.append(f"  {number:<8}" + "".join(f"{cell:>18}" for cell in cells))
         if len(rows) > MOST_ROWS and not verbose:
             lines.insert(-MOST_ROWS // 2, f"  ... {len(rows) - MOST_ROWS} more")
-    energy = motion.energy
     parts = {"before": energy.kinetic_before, "after": energy.kinetic_after, "absorbed": energy.absorbed}
     parts |= {"of weight": energy.weight} if motion.chain.gravity else {}
-    lines += ["", "  energy  " + ", ".join(f"{name} {format_si(value, 'energy', 6)}" for name, value in parts.items())]
-    share = abs(energy.error) / max(energy.kinetic_before + energy.weight, energy.kinetic_after)
-    lines.append(f"  balance of energy within {share:.0e}; estimated relative error ≤ {motion.estimated:.1e}")
+    lines += ["", "  energy  " + ", ".join(f"{name} {_cell(value, 'energy', whole)}" for name, value in parts.items())]
+    within = f"balance of energy within {abs(energy.error) / whole:.0e}"
+    lines.append(f"  {within}; estimated relative error ≤ {motion.estimated:.1e}")
     return "\n".join(lines)
+
+
+def _cell(value: float | None, dimension: str, energy: float) -> str:
+    """A value with unit; energies that are rounding, compared with that of all bodies [J], as 0."""
+    from film_model.base.units import format_si
+
+    if value is None:
+        return "-"
+    return format_si(0.0 if dimension == "energy" and abs(value) < ROUNDING * energy else value, dimension, 5)
 
 
 def _head(name: str) -> str:
     return {"time_of_largest_force": "at", "energy_absorbed": "absorbed", "largest_indentation": "indentation"}.get(
-        name, name.replace("contact_", "").replace("_velocity", "").replace("_", " ")
+        name, name.replace("contact_", "").replace("body_", "").replace("_velocity", "").replace("_", " ")
     )
 
 

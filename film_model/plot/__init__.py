@@ -1,4 +1,6 @@
-"""Pictures, by matplotlib: histories, bounces, chains, contact laws, regimes, cost of accuracy; `style` holds what they share.
+"""Pictures, by matplotlib: histories, bounces, chains, contact laws, regimes, cost of accuracy.
+
+`style` holds what they share.
 
 A function is imported when it is first used, with what it needs.
 """

@@ -37,7 +37,7 @@ def _draw(figure: Figure, motion: ChainMotion) -> None:
         rows = values[name]
         size, unit = prefixed_unit(rows, dimension)
         label = f"{dimension} ({unit})"
-        if len(motion.values["mass"]) > FEW:
+        if len(motion.values["body_mass"]) > FEW:
             edges = np.arange(len(rows) + 1) + 0.5
             drawn = panel.pcolormesh(_edges(times) / second, edges, rows / size, cmap="viridis", rasterized=True)
             figure.colorbar(drawn, ax=panel, label=label)

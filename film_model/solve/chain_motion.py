@@ -36,8 +36,11 @@ FINEST = 1e-14
 COARSER, CLOSER = 0.01, 1e-3
 """Tolerance of the run that is compared with, over the accuracy asked for; of each later one over the one before."""
 
+TOUCHING = 1e-9
+"""Time in units of the run below which a contact begins at the start."""
+
 BODIES: dict[str, tuple[str, str]] = {
-    "mass": ("mass", "mass of the body"),
+    "body_mass": ("mass", "mass of the body"),
     "initial_velocity": ("velocity", "velocity at the start"),
     "final_velocity": ("velocity", "velocity at the end"),
 }
@@ -47,7 +50,7 @@ CONTACTS: dict[str, tuple[str, str]] = {
     "largest_force": ("force", "largest contact force"),
     "time_of_largest_force": ("time", "time of the largest contact force"),
     "largest_indentation": ("length", "largest indentation"),
-    "contact_begins": ("time", "when contact first begins"),
+    "contact_begins": ("time", "when contact first begins; of bodies that touch at the start, when a wave arrives"),
     "contact_ends": ("time", "when contact last ends"),
     "energy_absorbed": ("energy", "work done on the contact, less what it gave back"),
 }
@@ -121,12 +124,12 @@ class ChainMotion:
         to_dataset = Late("film_model.methods:chain_to_dataset")
 
     def __repr__(self) -> str:
-        return f"ChainMotion({len(self.values['mass'])} bodies; {self.outcome})"
+        return f"ChainMotion({len(self.values['body_mass'])} bodies; {self.outcome})"
 
     @property
     def span(self) -> tuple[float, float]:
-        """From when to when to look, s: the duration that was asked for, or while forces act, as if each contact took as
-        long after its largest force as before."""
+        """From when to when to look, s: the duration that was asked for, or while forces act, where each contact is
+        taken to last as long after its largest force as before."""
         if self.chain.duration is not None:
             return 0.0, self.end
         begins, peaks = (self.values[name] for name in ("contact_begins", "time_of_largest_force"))
@@ -336,20 +339,20 @@ def _difference(coarse: chaining.Run, fine: chaining.Run) -> float:
 def _values(chain: Chain, run: chaining.Run, scales: _Scales) -> dict[str, Array]:
     row, found = chain.row, run.contacts
     return {
-        "mass": np.array([body.own_mass for body in row], np.float64),
+        "body_mass": np.array([body.own_mass for body in row], np.float64),
         "initial_velocity": np.array([body.velocity for body in row]),
         "final_velocity": run.velocity * scales.velocity,
         "largest_force": found["largest_force"] * scales.force,
         "time_of_largest_force": found["time_of_largest_force"] * scales.time,
         "largest_indentation": found["largest_indentation"] * scales.length,
-        "contact_begins": found["begins"] * scales.time,
+        "contact_begins": np.where(found["begins"] < TOUCHING, 0.0, found["begins"]) * scales.time,
         "contact_ends": np.where(found["touching"] == 0, found["ends"], math.nan) * scales.time,
         "energy_absorbed": found["work"] * scales.energy,
     }
 
 
 def _balance(chain: Chain, run: chaining.Run, scales: _Scales, values: dict[str, Array]) -> EnergyBalance:
-    mass = values["mass"]
+    mass = values["body_mass"]
     before, after = (0.5 * float(mass @ values[f"{when}_velocity"] ** 2) for when in ("initial", "final"))
     weight = 0.0
     if chain.gravity:

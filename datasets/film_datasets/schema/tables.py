@@ -1,7 +1,7 @@
 """The tables of variables and attributes of our datasets, generated from those of the summary and the motion.
 
-Kinds: the history of one impact, all bounces of a ball, a sweep over many impacts, a measurement to compare with, and
-the cost of accuracy.
+Kinds: the history of one impact, all bounces of a ball, a chain of bodies, a sweep over many impacts, a measurement to
+compare with, and the cost of accuracy.
 A new value in `film_model.solve.history.SUMMARY` gets its variables by itself; it needs a new version in `ADDED`.
 """
 
@@ -44,6 +44,8 @@ from film_model.base.errors import STATUSES
 from film_model.core.native import EVENTS
 from film_model.oblique.result import OBLIQUE
 from film_model.solve.bounce import COLUMNS
+from film_model.solve.chain_motion import BODIES
+from film_model.solve.chain_motion import CONTACTS as CONTACTS_OF_CHAINS
 from film_model.solve.history import MOTION, SUMMARY
 from film_model.studies.reference import COMPARED
 
@@ -51,7 +53,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
 HISTORY, SWEEP, MEASUREMENT, COST = "impact_history", "impact_sweep", "impact_measurement", "impact_cost_study"
-BOUNCES = "impact_bounces"
+BOUNCES, CHAIN = "impact_bounces", "impact_chain"
 _STRESSES = (
     *("impulse", "contact_radius", "dent_diameter", "mean_pressure", "peak_pressure", "maximum_shear_stress"),
     *("maximum_von_mises_stress", "depth_of_maximum_stress"),
@@ -86,6 +88,7 @@ ADDED: dict[str, dict[str, tuple[str, ...]]] = {
         "1.3": ("impactor_angle", "impactor_spin", *OBLIQUE),
     },
     BOUNCES: {"1.0": ()},
+    CHAIN: {"1.0": ()},
     COST: {"1.0": ()},
 }
 """Kinds of datasets (attribute film_model_schema): the versions that can be read, oldest first, each with the names of
@@ -255,6 +258,28 @@ _BOUNCES = tuple(
     for name, (dimension, what) in COLUMNS.items()
 )
 
+_CHAIN = (
+    number("t", ("t",), "time", "time since the start"),
+    Variable("body", ("body",), INTEGER, "1", "number of the body", "in the order in which they lie"),
+    Variable("contact", ("contact",), INTEGER, "1", "number of the contact", "of the body before it"),
+    *(number(name, ("body",), dimension, spaced(name), what) for name, (dimension, what) in BODIES.items()),
+    *(
+        number(name, ("contact",), dimension, spaced(name), f"{what}; {_ABSENT}", optional=True)
+        for name, (dimension, what) in CONTACTS_OF_CHAINS.items()
+    ),
+    Variable("contact_law", ("contact",), TEXT, None, "contact law"),
+    Variable("contact_count", ("contact",), INTEGER, "1", "how often contact began"),
+    *(
+        number(name, (along, "t"), dimension, spaced(name), what)
+        for along, name, dimension, what in (
+            ("body", "displacement", "length", "since the start"),
+            ("body", "velocity", "velocity", ""),
+            ("contact", "indentation", "length", "negative: a gap"),
+            ("contact", "contact_force", "force", "that presses the bodies apart"),
+        )
+    ),
+)
+
 _COST = (
     Variable("method", ("run",), INTEGER, None, "method", "its setting: attribute settings", more="methods"),
     Variable("outcome", ("run",), BYTE, None, "outcome", "attribute outcomes", ((0, "done"), (1, "no_answer"))),
@@ -290,6 +315,7 @@ TABLE: dict[str, tuple[Variable, ...]] = {
     f"{MEASUREMENT} finite_elements": FINITE_ELEMENTS,
     f"{MEASUREMENT} finite_element_pairs": FINITE_ELEMENT_PAIRS,
     BOUNCES: _BOUNCES,
+    CHAIN: _CHAIN,
     COST: _COST,
 }
 """Variables by the kind of dataset and what is kept in it, in the order in which `content_sha256` reads them."""
@@ -314,6 +340,10 @@ ATTRIBUTES: dict[str, tuple[str, ...]] = {
     BOUNCES: (
         *_PROVENANCE,
         *("scene_toml", "scene_sha256", "contact_law", "outcome", "rest_time", "warnings"),
+    ),
+    CHAIN: (
+        *_PROVENANCE,
+        *("scene_toml", "scene_sha256", "outcome", "end", "estimated_accuracy", "warnings"),
     ),
     COST: (
         *_PROVENANCE,
@@ -342,7 +372,7 @@ def variables_of(ds: xr.Dataset) -> tuple[Variable, ...]:
     constants = tuple(v for v in CONSTANTS if v.name in ds.variables)
     if kind == HISTORY:
         constants += tuple(v.over(()) for v in (SCENE_KEY,) if v.name in ds.variables)
-    if kind in (HISTORY, BOUNCES, COST):
+    if kind in (HISTORY, BOUNCES, CHAIN, COST):
         own = ("steps", "friction", "contacts", "sliding", "sensors") if kind == HISTORY else ()
         more = [v for word in own if has(ds, word) for v in TABLE[f"{HISTORY} {word}"]]
         return (*(v for v in (*TABLE[kind], *more) if v.name not in later), *constants)

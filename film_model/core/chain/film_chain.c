@@ -60,14 +60,11 @@ static int32_t last_body(const chain *c) { return c->last + 1 < c->n ? c->last +
 
 /* y' of the contacts first .. last and the bodies beside them. */
 static void slopes(const chain *c, const double *y, double *to) {
-    for (int32_t k = c->first; k <= c->last; k++) {
+    for (int32_t k = c->first; k <= last_body(c); k++) { /* the contact behind the last body is open */
         c->force[k] = force_at(c, y, k);
         to[D * c->n + k] = rate(c, y, k);
+        to[V * c->n + k] = c->of->gravity + (force_before(c, k) - c->force[k]) / c->of->mass[k];
         to[W * c->n + k] = c->force[k] * to[D * c->n + k];
-    }
-    for (int32_t k = c->first; k <= last_body(c); k++) {
-        double after = k <= c->last ? c->force[k] : 0.0;
-        to[V * c->n + k] = c->of->gravity + (force_before(c, k) - after) / c->of->mass[k];
     }
 }
 
@@ -209,13 +206,13 @@ static int switch_contact(chain *c, int32_t k) {
     return status;
 }
 
-/* A contact at rest that can no longer change a velocity by more than a step may: it ends where its force is 0. Without it the
+/* An undamped contact at rest that can no longer change a velocity by more than a step may: it ends where its force is 0. Without it the
  * row behind a wave creeps apart for 1e5 contacts. */
 static void let_go(chain *c, int32_t k) {
     film_state *s = &c->state[k];
     const film_chain_contact *at = &c->of->contact[k];
     double *d = &c->y[D * c->n + k], left = *d / at->length - s->xi_free;
-    if (at->curve->pull > 0.0 || !(left > 0.0 && fabs(s->nu) < c->of->tolerance * (s->direction < 0 ? 1.0 : STILL))) return;
+    if (at->curve->pull > 0.0 || s->damper > 0.0 || !(left > 0.0 && fabs(s->nu) < c->of->tolerance * (s->direction < 0 ? 1.0 : STILL))) return;
     if (c->force[k] * left * at->length > c->of->tolerance * c->of->tolerance * c->of->mass[k]) return;
     *d = s->xi_free * at->length;
     s->branch = FILM_FREE;

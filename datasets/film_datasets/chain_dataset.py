@@ -25,7 +25,11 @@ def chain_dataset(motion: ChainMotion, samples: int, command: str) -> xr.Dataset
         raise ValueError(f"samples: {samples} must be at least 2")
     t = np.linspace(*motion.span, samples)
     values = {
-        **{"t": t, "body": np.arange(1, len(motion.values["body_mass"]) + 1), "contact": np.arange(1, len(motion.laws) + 1)},
+        **{
+            "t": t,
+            "body": np.arange(1, len(motion.values["body_mass"]) + 1),
+            "contact": np.arange(1, len(motion.laws) + 1),
+        },
         **{**motion.values, "contact_law": np.array(motion.laws), "contact_count": np.array(motion.counts)},
         **motion.sample_si(t),
     }

@@ -14,7 +14,8 @@ if TYPE_CHECKING:
 MOST_ROWS = 8
 """Rows of a table without --verbose, half of them at its end."""
 
-ROUNDING = 1e-11
+ROUNDING, CONSERVED = 1e-11, 1e-12
+"""Parts of the energy of all bodies: absorbed energies below it are shown as 0; a smaller balance is not told apart."""
 
 NOT_FOR_CHAINS = ("strobe", "segments", "linearisation", "derivatives")
 
@@ -67,7 +68,7 @@ def _text(motion: ChainMotion, verbose: bool) -> str:
     parts = {"before": energy.kinetic_before, "after": energy.kinetic_after, "absorbed": energy.absorbed}
     parts |= {"of weight": energy.weight} if motion.chain.gravity else {}
     lines += ["", "  energy  " + ", ".join(f"{name} {_cell(value, 'energy', whole)}" for name, value in parts.items())]
-    within = f"balance of energy within {abs(energy.error) / whole:.0e}"
+    within = f"balance of energy within {max(abs(energy.error) / whole, CONSERVED):.0e}"
     lines.append(f"  {within}; estimated relative error ≤ {motion.estimated:.1e}")
     return "\n".join(lines)
 

@@ -99,9 +99,10 @@ class ChainMotion:
     `CONTACTS`, SI arrays, nan where one does not exist; as attributes of the same names they have units. counts: how
     often each contact began. estimated: relative error of final velocities and largest forces, from a second run.
 
-    >>> motion = fm.simulate_chain(cradle)
-    >>> f"{motion.largest_force[0].to('N'):.1f~P}"
-    '1245.8 N'
+    >>> ball = {"radius": "10 mm", "material": "bearing steel"}
+    >>> motion = fm.simulate_chain(fm.Chain([{**ball, "velocity": "0.5 m/s"}, {**ball, "count": 2}], "hertz"))
+    >>> f"{motion.largest_force[0].to('N'):.2f~P}"
+    '438.68 N'
     """
 
     chain: Chain

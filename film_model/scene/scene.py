@@ -23,7 +23,7 @@ from film_model.laws import AbstractLaw
 from film_model.scene.contact import Contact, contact_table
 from film_model.scene.impactor import Sphere
 from film_model.scene.options import DEFAULT_TOLERANCE, Effects, Solver
-from film_model.scene.toml import change_table, placed, read_text, text_from_table, toml_table
+from film_model.scene.toml import OTHER_FILES, change_table, placed, read_text, text_from_table, toml_table
 from film_model.targets import TARGETS, AbstractTarget
 
 NO_FILES = "a scene that is stored with results has its tables inside, and no other file is read"
@@ -86,12 +86,9 @@ class Scene:
     def _from_text(cls, text: str, name: str, folder: str | None) -> Scene:
         """folder: of relative paths; None to refuse paths."""
         table = toml_table(text, name)
-        if "over" in table and "impactor" not in table:
-            why = 'this is a sweep: give it to "film-model sweep" or "film-model tolerance"'
-            raise placed([Mistake(None, None, "over", why)], text, name)
-        if "bodies" in table:
-            why = 'this is a chain: "film-model run" and Chain.from_toml read it'
-            raise placed([Mistake(None, None, "bodies", why)], text, name)
+        other = next((key for key in OTHER_FILES if key in table), None)
+        if other is not None and "impactor" not in table:
+            raise placed([Mistake(None, None, other, OTHER_FILES[other])], text, name)
         for key in WITH_FILES:
             section = table.get(key)
             if isinstance(section, dict) and "file" in section:

@@ -23,6 +23,12 @@ NO_SCENES = {
 }
 """Files that are given in place of a scene."""
 
+OTHER_FILES = {
+    "over": 'this is a sweep: give it to "film-model sweep" or "film-model tolerance"',
+    "bodies": 'this is a chain: "film-model run" and Chain.from_toml read it',
+}
+"""Sections of other files that are given in place of a scene."""
+
 LARGEST_TABLE = 100_000_000  # bytes; a million rows of five numbers
 
 

@@ -217,6 +217,11 @@ def simulate_chain(chain: Chain) -> ChainMotion:
     rounding, and the energy of elastic chains to 1e-12. Effects that `simulate` decides (waves, rate hardening,
     vibrations of the half-space, viscosity) are not simulated. Bodies of a chain are spheres that move along one line.
 
+    >>> small, large = ({"radius": size, "material": "acrylic"} for size in ("5 mm", "20 mm"))
+    >>> dropped = fm.Chain([small, {**large, "gap": "1 cm"}], "hertz", fm.HalfSpace("mild steel"), gravity=True)
+    >>> fm.simulate_chain(dropped).final_velocity.m.round(3).tolist()
+    [-0.527, -0.441]
+
     Raises SceneError if a law lacks an entry; SimulationError if no body approaches another, for a law whose damping
     depends on the velocity of approach, and if a law ends before the motion turns. Each entry of `warnings` is issued
     as an ImpactWarning.

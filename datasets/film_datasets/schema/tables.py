@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from film_datasets.schema.chain_variables import CHAINS
 from film_datasets.schema.contact_variables import CONTACTS
 from film_datasets.schema.derivative_variables import derivatives_in
 from film_datasets.schema.finite_element_variables import FINITE_ELEMENT_PAIRS, FINITE_ELEMENTS
@@ -44,8 +45,6 @@ from film_model.base.errors import STATUSES
 from film_model.core.native import EVENTS
 from film_model.oblique.result import OBLIQUE
 from film_model.solve.bounce import COLUMNS
-from film_model.solve.chain_motion import BODIES
-from film_model.solve.chain_motion import CONTACTS as CONTACTS_OF_CHAINS
 from film_model.solve.history import MOTION, SUMMARY
 from film_model.studies.reference import COMPARED
 
@@ -258,28 +257,6 @@ _BOUNCES = tuple(
     for name, (dimension, what) in COLUMNS.items()
 )
 
-_CHAIN = (
-    number("t", ("t",), "time", "time since the start"),
-    Variable("body", ("body",), INTEGER, "1", "number of the body", "in the order in which they lie"),
-    Variable("contact", ("contact",), INTEGER, "1", "number of the contact", "of the body before it"),
-    *(number(name, ("body",), dimension, spaced(name), what) for name, (dimension, what) in BODIES.items()),
-    *(
-        number(name, ("contact",), dimension, spaced(name), f"{what}; {_ABSENT}", optional=True)
-        for name, (dimension, what) in CONTACTS_OF_CHAINS.items()
-    ),
-    Variable("contact_law", ("contact",), TEXT, None, "contact law"),
-    Variable("contact_count", ("contact",), INTEGER, "1", "how often contact began"),
-    *(
-        number(name, (along, "t"), dimension, spaced(name), what)
-        for along, name, dimension, what in (
-            ("body", "displacement", "length", "since the start"),
-            ("body", "velocity", "velocity", ""),
-            ("contact", "indentation", "length", "negative: a gap"),
-            ("contact", "contact_force", "force", "that presses the bodies apart"),
-        )
-    ),
-)
-
 _COST = (
     Variable("method", ("run",), INTEGER, None, "method", "its setting: attribute settings", more="methods"),
     Variable("outcome", ("run",), BYTE, None, "outcome", "attribute outcomes", ((0, "done"), (1, "no_answer"))),
@@ -315,7 +292,7 @@ TABLE: dict[str, tuple[Variable, ...]] = {
     f"{MEASUREMENT} finite_elements": FINITE_ELEMENTS,
     f"{MEASUREMENT} finite_element_pairs": FINITE_ELEMENT_PAIRS,
     BOUNCES: _BOUNCES,
-    CHAIN: _CHAIN,
+    CHAIN: CHAINS,
     COST: _COST,
 }
 """Variables by the kind of dataset and what is kept in it, in the order in which `content_sha256` reads them."""
@@ -337,14 +314,8 @@ ATTRIBUTES: dict[str, tuple[str, ...]] = {
         "estimated_accuracy",
     ),
     MEASUREMENT: (*_PROVENANCE, "measured"),
-    BOUNCES: (
-        *_PROVENANCE,
-        *("scene_toml", "scene_sha256", "contact_law", "outcome", "rest_time", "warnings"),
-    ),
-    CHAIN: (
-        *_PROVENANCE,
-        *("scene_toml", "scene_sha256", "outcome", "end", "estimated_accuracy", "warnings"),
-    ),
+    BOUNCES: (*_PROVENANCE, "scene_toml", "scene_sha256", "contact_law", "outcome", "rest_time", "warnings"),
+    CHAIN: (*_PROVENANCE, "scene_toml", "scene_sha256", "outcome", "end", "estimated_accuracy", "warnings"),
     COST: (
         *_PROVENANCE,
         *("scene_toml", "scene_sha256", "contact_law", "settings", "outcomes", "reference_method", "machine"),

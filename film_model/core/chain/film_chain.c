@@ -55,7 +55,6 @@ static double force_at(const chain *c, const double *y, int32_t k) {
 }
 
 static double force_before(const chain *c, int32_t k) { return k > c->first ? c->force[k - 1] : 0.0; }
-
 static int32_t last_body(const chain *c) { return c->last + 1 < c->n ? c->last + 1 : c->n - 1; }
 
 /* y' of the contacts first .. last and the bodies beside them. */
@@ -322,8 +321,7 @@ static int advance(chain *c, double *h, double free_time, int64_t *done, int64_t
         error = error_of(c, length);
         double factor = fmin(fmax(MARGIN * pow(error, -0.125), SHRINK), GROW);
         if (error <= 1.0) {
-            if (length == *h || factor < 1.0) *h = factor * length;
-            else *h = fmax(*h, factor * length);
+            *h = length == *h || factor < 1.0 ? factor * length : fmax(*h, factor * length);
             break;
         }
         if (!(factor < 1.0)) return FILM_BAD_NUMBER;

@@ -15,14 +15,14 @@ from film_model.core import native
 
 Array = NDArray[np.float64]
 
-MOST_STEPS = 2_000_000
+MOST_STEPS = 500_000
 _D, _I = c.c_double, c.c_int32
 
 
 class Contact(c.Structure):
     """film_chain_contact: a law with its units, between a body and the next or the support."""
 
-    _fields_ = [("curve", c.c_void_p), *((name, _D) for name in ("length", "force", "damping", "gap"))]
+    _fields_ = [("curve", c.c_void_p), *((name, _D) for name in ("length", "force", "depth", "damping", "gap"))]
 
 
 class Chain(c.Structure):
@@ -84,14 +84,14 @@ def _library() -> Any:
 def run(
     mass: Array,
     velocity: Array,
-    contacts: Sequence[tuple[native.Curve, float, float, float, float]],
+    contacts: Sequence[tuple[native.Curve, float, float, float, float, float]],
     *,
     gravity: float,
     limit: float,
     tolerance: float,
     times: Any,
 ) -> Run:
-    """Follow a chain. contacts: curve, units of indentation and force, factor of the damping, and gap of each. limit,
+    """Follow a chain. contacts: curve, units of indentation and force, depth, factor of the damping, and gap. limit,
     times: of the end and of the samples, ascending; limit may be infinite."""
     lib, n = _library(), mass.size
     given = (Contact * max(len(contacts), 1))(*(Contact(c.addressof(curve), *numbers) for curve, *numbers in contacts))

@@ -36,6 +36,9 @@ FINEST = 1e-14
 COARSER, CLOSER = 0.01, 1e-3
 """Tolerance of the run that is compared with, over the accuracy asked for; of each later one over the one before."""
 
+LEAST_DEPTH = 1e-9
+"""Over δ_s."""
+
 TOUCHING = 1e-9
 """Time in units of the run below which a contact begins at the start."""
 
@@ -58,13 +61,15 @@ CONTACTS: dict[str, tuple[str, str]] = {
 
 
 class _Contact(NamedTuple):
-    """A contact in SI: the scene of its two bodies, its law and curve, δ_s [m], F_s [N], damping [N s/m], gap [m]."""
+    """A contact in SI: the scene of its two bodies, its law and curve, δ_s [m], F_s [N], about its largest indentation
+    [δ_s], damping [N s/m], gap [m]."""
 
     scene: Scene
     law: AbstractLaw
     curve: Curve
     length: float
     force: float
+    depth: float
     damping: float
     gap: float
 
@@ -206,7 +211,7 @@ class _Scales(NamedTuple):
     @classmethod
     def of(cls, chain: Chain, contacts: list[_Contact]) -> _Scales:
         mass = max(body.own_mass or 0.0 for body in chain.bodies)
-        return cls(mass, max(contact.length for contact in contacts), _speed(chain))
+        return cls(mass, max(contact.length * contact.depth for contact in contacts), _speed(chain))
 
 
 def simulate_chain(chain: Chain) -> ChainMotion:
@@ -272,7 +277,7 @@ def _speed(chain: Chain) -> float:
 
 
 def _contacts_of(chain: Chain) -> list[_Contact]:
-    made, speed = dict[int, tuple[AbstractLaw, Curve, float, float, float]](), _speed(chain)
+    made, speed = dict[int, tuple[AbstractLaw, Curve, float, float, float, float]](), _speed(chain)
     scenes = chain.pairs(speed)
     for scene in scenes:
         if id(scene) not in made:
@@ -280,8 +285,8 @@ def _contacts_of(chain: Chain) -> list[_Contact]:
     return [_Contact(scene, *made[id(scene)], body.gap) for scene, body in zip(scenes, chain.row, strict=False)]
 
 
-def _law_in(scene: Scene, speed: float) -> tuple[AbstractLaw, Curve, float, float, float]:
-    """Law, curve, δ_s, F_s and damping of a contact."""
+def _law_in(scene: Scene, speed: float) -> tuple[AbstractLaw, Curve, float, float, float, float]:
+    """Law, curve, δ_s, F_s, depth and damping of a contact."""
     given: Any = scene.contact.law
     if given == "auto":
         given = YIELDING if scene.yield_strength is not None and can_yield(scene) else ELASTIC
@@ -296,7 +301,18 @@ def _law_in(scene: Scene, speed: float) -> tuple[AbstractLaw, Curve, float, floa
             f'the damping of contact law "{law.name}" depends on the velocity of approach, which differs from contact '
             "to contact in a chain: give a law whose damping does not, such as tsuji"
         )
-    return law, curve_of(law), length, force, damping
+    curve = curve_of(law)
+    return law, curve, length, force, _depth(curve, scene.kinetic_energy / (force * length)), damping
+
+
+def _depth(curve: Curve, energy: float) -> float:
+    """ξ at which the work of loading [F_s δ_s] is about the energy, by doubling; at most the end of the law."""
+    last, depth = curve.native.stage[curve.native.stages - 1].end, 1.0
+    while depth < last and curve.work(depth) < energy:
+        depth *= 2.0
+    while curve.work(depth) > 4.0 * energy and depth > LEAST_DEPTH:
+        depth *= 0.5
+    return min(depth, last)
 
 
 def _runner(chain: Chain, contacts: list[_Contact], scales: _Scales) -> Callable[..., chaining.Run]:
@@ -308,6 +324,7 @@ def _runner(chain: Chain, contacts: list[_Contact], scales: _Scales) -> Callable
             contact.curve.native,
             contact.length / scales.length,
             contact.force / scales.force,
+            contact.depth,
             contact.damping * scales.velocity / contact.force,
             contact.gap / scales.length,
         )

@@ -11,7 +11,7 @@ enum { D, V, W, PARTS };               /* indentations, velocities, works */
 enum { TURN, FAR, NEAR, PEAK, SIGNS }; /* what may happen at a contact: film_indicators, and the peak of a damped force */
 enum { MOST_SWITCHES = 8, ROOT_STEPS = 60 };
 
-/* How late an event is seen: indentation over its unit, or rate over the unit of velocity. The impulse that this leaves out
+/* How late an event is seen: indentation over its depth, or rate over the unit of velocity. The impulse that this leaves out
  * is below rounding but for a force that jumps, of which it is this part. */
 static const double LATE = 1e-13;
 static const double AIM = -1e-13, LATEST = -4e-13; /* sign that a step to an event aims at, and the least that is accepted */
@@ -70,7 +70,7 @@ static void slopes(const chain *c, const double *y, double *to) {
 /* to = y + h (weights of a row) times the slopes. */
 static void combine(const chain *c, const film_rk_row *row, double h, double *to) {
     for (int part = 0; part < PARTS; part++) {
-        int32_t first = part * c->n + c->first, size = last_body(c) - c->first + 1;
+        int32_t first = part * c->n + c->first, size = (part == V ? last_body(c) : c->last) - c->first + 1;
         const double *y = c->y + first;
         double *out = to + first;
         for (int32_t k = 0; k < size; k++) out[k] = y[k];
@@ -105,7 +105,7 @@ static double error_of(const chain *c, double h) {
     for (int part = D; part <= V; part++)
         for (int32_t k = c->first; k <= (part == D ? c->last : last_body(c)); k++) {
             if (part == D && k >= c->of->contacts) continue;
-            double five = 0.0, three = 0.0, unit = part == D ? c->of->contact[k].length : 1.0;
+            double five = 0.0, three = 0.0, unit = part == D ? c->of->contact[k].length * c->of->contact[k].depth : 1.0;
             for (int s = 0; s < STAGES; s++) {
                 double slope = c->slope[(s * PARTS + part) * c->n + k];
                 five += FIFTH[s] * slope;
@@ -127,8 +127,8 @@ static void signs_of(const chain *c, const double *y, int32_t k, double *sign) {
     for (int j = 0; j < SIGNS; j++) sign[j] = 1.0;
     s->xi = y[D * c->n + k] / at->length;
     s->nu = rate(c, y, k);
-    film_indicators(at->curve, s, 1e-3, indicators); /* late by 1e-3 of its 1e-10: LATE */
-    for (int j = TURN; j <= NEAR; j++) sign[j] = greater(lesser(indicators[j], 1.0), -1.0);
+    film_indicators(at->curve, s, 1e-3 * at->depth, indicators); /* late by 1e-3 of its 1e-10: LATE */
+    for (int j = TURN; j <= NEAR; j++) sign[j] = greater(lesser(indicators[j] / at->depth, 1.0), -1.0);
     if (s->damper == 0.0 || !touching(c, k)) return;
     const double *mass = c->of->mass;
     double own = (force_before(c, k) - c->force[k]) / mass[k], next = 0.0;
@@ -235,7 +235,7 @@ static void watch_largest(chain *c) {
  * inside its dent, and then has to leave it first. */
 static double touch_time(const chain *c, int32_t k) {
     double v = rate(c, c->y, k), g = k + 1 < c->n ? 0.0 : c->of->gravity;
-    double gap = (c->state[k].xi_free + 2.0 * LATE) * c->of->contact[k].length - c->y[D * c->n + k];
+    double gap = (c->state[k].xi_free + 2.0 * LATE * c->of->contact[k].depth) * c->of->contact[k].length - c->y[D * c->n + k];
     if (g == 0.0) return v > c->of->tolerance ? greater(gap, 0.0) / v : INFINITY;
     double square = v * v + 2.0 * g * gap;
     if (v < 0.0) return square > 0.0 ? (sqrt(square) - v) / g : -v / g;

@@ -13,6 +13,7 @@
 typedef struct {
     const film_curve *curve; /* without a spring */
     double length, force;    /* units of its indentation and force */
+    double depth;            /* about its largest indentation, over `length`: what is small beside it is rounding */
     double damping;          /* factor of film_damp for indentation rates in the unit of velocity */
     double gap;              /* at the start */
 } film_chain_contact;
@@ -23,7 +24,7 @@ typedef struct {
     const film_chain_contact *contact;
     double gravity;      /* acceleration towards the support */
     double limit;        /* time; INFINITY: until contact is open everywhere and no neighbours approach */
-    double tolerance;    /* of a step: velocities, and indentations over `length` */
+    double tolerance;    /* of a step: velocities, and indentations over their depths */
     int32_t most_steps, reserved;
 } film_chain;
 

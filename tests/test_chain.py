@@ -118,6 +118,35 @@ def test_elastic_chains_keep_momentum_and_energy(seed):
     assert train.final_velocity.m - 3.0 == pytest.approx(after, abs=1e-9)
 
 
+@pytest.mark.parametrize("seed", range(8))
+def test_chains_of_all_laws_balance(seed):
+    """Every contact with a law of its own, some under weight: energy, momentum, and displacements."""
+    rng = np.random.default_rng(seed)
+    laws = [law for law in LAWS if law not in (*ADHESIVE, "hunt-crossley", "tabulated")]
+    heavy, count = seed % 2 == 1, 5
+    row = [
+        {
+            **{
+                "radius": f"{10 ** rng.uniform(-2.5, -1.5)} m",
+                "material": STEEL,
+                "contact": _contact(rng.choice(laws)),
+            },
+            **{"velocity": f"{rng.uniform(-0.5, 0.5)} m/s", "gap": f"{rng.choice([0.0, 1e-6, 1e-3])} m"},
+        }
+        for _ in range(count)
+    ]
+    motion = fm.simulate_chain(fm.Chain(row, "auto", fm.HalfSpace(STEEL) if heavy else None, heavy, "10 ms"))
+    mass, energy = motion.values["body_mass"], motion.energy
+    assert abs(energy.error) < 1e-12 * (energy.kinetic_before + abs(energy.weight)) and energy.absorbed > 0.0
+    if not heavy:
+        change = mass @ (motion.final_velocity.m - motion.values["initial_velocity"])
+        assert abs(change) < 1e-13 * mass.sum()
+    at = np.linspace(0.0, motion.end, 501)
+    sample = motion.sample_si(at)
+    moved = np.trapezoid(sample["velocity"], at, axis=1)
+    assert np.abs(sample["displacement"][:, -1] - moved).max() < 5e-3 * motion.end
+
+
 def test_gaps_make_collisions_of_two():
     """Equal balls far apart hand their velocity on; unequal ones by the formula of two bodies."""
     row = [{**BALL, "velocity": "0.5 m/s", "gap": "1 mm"}, {**BALL, "count": 4, "gap": "1 mm"}]

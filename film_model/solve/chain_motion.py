@@ -17,11 +17,9 @@ from film_model.base.errors import STATUSES, ImpactWarning, SimulationError, sho
 from film_model.base.late import Late
 from film_model.base.units import format_si
 from film_model.core import chaining, native
-from film_model.laws import LAWS, AbstractLaw
 from film_model.laws.yielding import yield_point
-from film_model.problem.curve import Curve, curve_of
-from film_model.problem.law_of_scene import ELASTIC, YIELDING, SceneLaw, can_yield
-from film_model.scene import STANDARD_GRAVITY, Scene
+from film_model.problem.chain_contacts import ChainContact, contacts_of, speed_of
+from film_model.scene import STANDARD_GRAVITY
 from film_model.scene.chain import Chain
 
 if TYPE_CHECKING:
@@ -35,9 +33,6 @@ FINEST = 1e-14
 
 COARSER, CLOSER = 0.01, 1e-3
 """Tolerance of the run that is compared with, over the accuracy asked for; of each later one over the one before."""
-
-LEAST_DEPTH = 1e-9
-"""Over δ_s."""
 
 TOUCHING = 1e-9
 """Time in units of the run below which a contact begins at the start."""
@@ -58,20 +53,6 @@ CONTACTS: dict[str, tuple[str, str]] = {
     "energy_absorbed": ("energy", "work done on the contact, less what it gave back"),
 }
 """Values of each contact, likewise. Contact k is behind body k; the last one may be that with the half-space."""
-
-
-class _Contact(NamedTuple):
-    """A contact in SI: the scene of its two bodies, its law and curve, δ_s [m], F_s [N], about its largest indentation
-    [δ_s], damping [N s/m], gap [m]."""
-
-    scene: Scene
-    law: AbstractLaw
-    curve: Curve
-    length: float
-    force: float
-    depth: float
-    damping: float
-    gap: float
 
 
 class EnergyBalance(NamedTuple):
@@ -151,7 +132,7 @@ class ChainMotion:
         at = np.atleast_1d(np.asarray(times, np.float64))
         if not (at[0] >= 0.0 and at[-1] <= self.end and (np.diff(at) >= 0.0).all()):
             raise ValueError(f"times: must ascend from 0 s to the end, {self.end:g} s")
-        contacts = _contacts_of(self.chain)
+        contacts = contacts_of(self.chain)
         scales, count = _Scales.of(self.chain, contacts), len(contacts)
         values = _runner(self.chain, contacts, scales)(FINEST, at / scales.time).samples.transpose(1, 2, 0)
         moved = values[0] * scales.length  # behind the last body: its displacement
@@ -209,9 +190,9 @@ class _Scales(NamedTuple):
         return self.energy / self.length
 
     @classmethod
-    def of(cls, chain: Chain, contacts: list[_Contact]) -> _Scales:
+    def of(cls, chain: Chain, contacts: list[ChainContact]) -> _Scales:
         mass = max(body.own_mass or 0.0 for body in chain.bodies)
-        return cls(mass, max(contact.length * contact.depth for contact in contacts), _speed(chain))
+        return cls(mass, max(contact.length * contact.depth for contact in contacts), speed_of(chain))
 
 
 def simulate_chain(chain: Chain) -> ChainMotion:
@@ -241,7 +222,7 @@ def simulate_chain_quietly(chain: Chain) -> ChainMotion:
     """As :func:`simulate_chain`, without Python warnings."""
     if not isinstance(chain, Chain):  # pyright: ignore[reportUnnecessaryIsInstance]
         raise TypeError(f"simulate_chain takes a Chain, not {shown(chain)}")
-    contacts = _contacts_of(chain)
+    contacts = contacts_of(chain)
     scales = _Scales.of(chain, contacts)
     run = _runner(chain, contacts, scales)
     fine, tolerance = run(FINEST), max(chain.accuracy * COARSER, FINEST * 10.0)
@@ -265,57 +246,7 @@ def simulate_chain_quietly(chain: Chain) -> ChainMotion:
     )
 
 
-def _speed(chain: Chain) -> float:
-    """The largest velocity of approach at the start, or after the fall of a chain with weight, m/s."""
-    row = chain.row
-    after = [body.velocity for body in row[1:]] + ([0.0] if chain.target is not None else [])
-    fastest = max(0.0, *(body.velocity - other for body, other in zip(row, after, strict=False)))
-    fall = 2.0 * STANDARD_GRAVITY * row[-1].gap if chain.gravity else 0.0
-    if fastest == fall == 0.0:
-        raise SimulationError("no body of the chain approaches the next one: give a velocity, or gravity and a gap")
-    return math.sqrt(fastest**2 + fall)
-
-
-def _contacts_of(chain: Chain) -> list[_Contact]:
-    made, speed = dict[int, tuple[AbstractLaw, Curve, float, float, float, float]](), _speed(chain)
-    scenes = chain.pairs(speed)
-    for scene in scenes:
-        if id(scene) not in made:
-            made[id(scene)] = _law_in(scene, speed)
-    return [_Contact(scene, *made[id(scene)], body.gap) for scene, body in zip(scenes, chain.row, strict=False)]
-
-
-def _law_in(scene: Scene, speed: float) -> tuple[AbstractLaw, Curve, float, float, float, float]:
-    """Law, curve, δ_s, F_s, depth and damping of a contact."""
-    given: Any = scene.contact.law
-    if given == "auto":
-        given = YIELDING if scene.yield_strength is not None and can_yield(scene) else ELASTIC
-    for part in (scene.impactor, scene.target):
-        if part.material is not None and part.material.prony is not None:
-            raise SimulationError("the relaxation of a viscoelastic material is not simulated in a chain")
-    law = SceneLaw.of(scene, LAWS[given] if isinstance(given, str) else given).at()
-    length, force = law.scales(scene.kinetic_energy)
-    damping, twice = (law.damping_factor(scene.effective_mass, v, length) for v in (speed, 2.0 * speed))
-    if damping != twice:
-        raise SimulationError(
-            f'the damping of contact law "{law.name}" depends on the velocity of approach, which differs from contact '
-            "to contact in a chain: give a law whose damping does not, such as tsuji"
-        )
-    curve = curve_of(law)
-    return law, curve, length, force, _depth(curve, scene.kinetic_energy / (force * length)), damping
-
-
-def _depth(curve: Curve, energy: float) -> float:
-    """ξ at which the work of loading [F_s δ_s] is about the energy, by doubling; at most the end of the law."""
-    last, depth = curve.native.stage[curve.native.stages - 1].end, 1.0
-    while depth < last and curve.work(depth) < energy:
-        depth *= 2.0
-    while curve.work(depth) > 4.0 * energy and depth > LEAST_DEPTH:
-        depth *= 0.5
-    return min(depth, last)
-
-
-def _runner(chain: Chain, contacts: list[_Contact], scales: _Scales) -> Callable[..., chaining.Run]:
+def _runner(chain: Chain, contacts: list[ChainContact], scales: _Scales) -> Callable[..., chaining.Run]:
     row = chain.row
     mass = np.array([body.own_mass for body in row]) / scales.mass
     velocity = np.array([body.velocity for body in row]) / scales.velocity
@@ -339,7 +270,7 @@ def _runner(chain: Chain, contacts: list[_Contact], scales: _Scales) -> Callable
     return run
 
 
-def _raise_failure(run: chaining.Run, contacts: list[_Contact], scales: _Scales) -> None:
+def _raise_failure(run: chaining.Run, contacts: list[ChainContact], scales: _Scales) -> None:
     if run.status >= 0:
         return
     at = format_si(run.time * scales.time, "time", 4)
@@ -386,7 +317,9 @@ def _balance(chain: Chain, run: chaining.Run, scales: _Scales, values: dict[str,
     return EnergyBalance(before, after, weight, absorbed, before + weight - absorbed - after)
 
 
-def _warnings(contacts: list[_Contact], values: dict[str, Array], estimated: float, accuracy: float) -> tuple[str, ...]:
+def _warnings(
+    contacts: list[ChainContact], values: dict[str, Array], estimated: float, accuracy: float
+) -> tuple[str, ...]:
     found = dict[str, None]()
     for number, contact in enumerate(contacts, 1):
         force, depth = (float(values[name][number - 1]) for name in ("largest_force", "largest_indentation"))

@@ -56,7 +56,6 @@ static double force_at(const chain *c, const double *y, int32_t k) {
 
 static double force_before(const chain *c, int32_t k) { return k > c->first ? c->force[k - 1] : 0.0; }
 static int32_t last_body(const chain *c) { return c->last + 1 < c->n ? c->last + 1 : c->n - 1; }
-
 /* y' of the contacts first .. last and the bodies beside them. */
 static void slopes(const chain *c, const double *y, double *to) {
     for (int32_t k = c->first; k <= last_body(c); k++) { /* the contact behind the last body is open */
@@ -98,9 +97,10 @@ static void step(const chain *c, double h) {
     }
 }
 
-/* Estimated error of the step over the tolerance, as dop853.f combines both estimates, of the largest. */
+/* Estimated error of the step over the tolerance, as dop853.f combines both estimates, of the largest. INFINITY: the step
+ * leaves the range of a law. */
 static double error_of(const chain *c, double h) {
-    double fifth = 0.0, third = 0.0;
+    double fifth = 0.0, third = 0.0, sum = 0.0;
     if (c->last < c->first) return 0.0;
     for (int part = D; part <= V; part++)
         for (int32_t k = c->first; k <= (part == D ? c->last : last_body(c)); k++) {
@@ -111,9 +111,11 @@ static double error_of(const chain *c, double h) {
                 five += FIFTH[s] * slope;
                 three += THIRD[s] * slope;
             }
+            sum += five + three;
             fifth = greater(fifth, fabs(five / unit));
             third = greater(third, fabs(three / unit));
         }
+    if (!isfinite(sum)) return INFINITY;
     return fifth == 0.0 ? 0.0 : fabs(h) * fifth * fifth / sqrt(fifth * fifth + 0.01 * third * third) / c->of->tolerance;
 }
 
@@ -159,11 +161,11 @@ static double watched(const chain *c) {
 /* Shortens a step to the first event in it, by the Illinois method. */
 static double to_event(const chain *c, double h) {
     if (c->last < c->first) return h;
-    double low = 0.0, high = h, at_low = 1.0, at_high;
+    double low = 0.0, high = h, at_low = 1.0;
     int side = 0;
     memset(c->watch, 0, (size_t)(SIGNS * c->n) * sizeof(double));
     signs_in(c, c->trial, c->sign_now);
-    at_high = watched(c);
+    double at_high = watched(c);
     if (at_high >= LATEST) return h;
     for (int32_t i = 0; i < SIGNS * c->n; i++)
         if (c->watch[i] != 0.0) at_low = fmin(at_low, c->sign[i]);
@@ -300,8 +302,8 @@ static int switch_contacts(chain *c, int32_t *failed, int *begun) {
             continue;
         }
         c->known = 0;
-        int status = switch_contact(c, k);
-        *begun |= c->state[k].event == FILM_CONTACT_BEGINS;
+        int free = !touching(c, k), status = switch_contact(c, k);
+        *begun |= free && touching(c, k);
         *failed = k;
         if (status < 0) return status;
     }
@@ -311,9 +313,8 @@ static int switch_contacts(chain *c, int32_t *failed, int *begun) {
 /* One step, at most to the limit, and the events at its end. h: that of the step control, and of the next step. */
 static int advance(chain *c, double *h, double free_time, int64_t *done, int64_t count, const double *times, double *samples,
                    int32_t *failed) {
-    double left = c->of->limit - c->time, length = c->last < c->first ? INFINITY : *h, error;
+    double left = c->of->limit - c->time, length = fmin(fmin(c->last < c->first ? INFINITY : *h, free_time), left), error;
     int begun;
-    length = fmin(fmin(length, free_time), left);
     if (c->last >= c->first) slopes(c, c->y, c->slope);
     if (!c->known) signs_in(c, c->y, c->sign);
     for (;;) {

@@ -16,7 +16,8 @@ enum { MOST_SWITCHES = 8, ROOT_STEPS = 60 };
 static const double LATE = 1e-13;
 static const double AIM = -1e-13, LATEST = -4e-13; /* sign that a step to an event aims at, and the least that is accepted */
 static const double STILL = 1e-2;   /* part of the tolerance: a rate inwards of a contact that is let go */
-static const double BEGIN = 0.3;    /* first step after an event over tolerance^(1/2.5), as Hertz's force grows with t^1.5 */
+static const double BEGIN = 0.3;    /* first step of a contact over (tolerance/rate^1.5)^(2/5): Hertz's force is (rate t)^1.5 */
+static const double COUNTED = 10.0; /* rate over the tolerance from which a contact that begins again is counted */
 static const double MARGIN = 0.9, SHRINK = 0.1, GROW = 6.0; /* of the next step: as in dop853.f but for the cut */
 
 typedef struct {
@@ -198,7 +199,7 @@ static int switch_contact(chain *c, int32_t k) {
         status = film_switch(at->curve, s);
         if (status != FILM_EVENT) break;
         if (s->event == FILM_CONTACT_BEGINS) {
-            result->count++;
+            if (result->count == 0 || s->nu > COUNTED * c->of->tolerance) result->count++;
             if (isnan(result->begins)) result->begins = c->time;
         } else if (s->event == FILM_CONTACT_ENDS) {
             result->ends = c->time;
@@ -207,14 +208,15 @@ static int switch_contact(chain *c, int32_t k) {
     return status;
 }
 
-/* An undamped contact at rest that can no longer change a velocity by more than a step may: it ends where its force is 0. Without it the
+/* A contact at rest that can no longer change a velocity by more than a step may: it ends where its force is 0. Without it the
  * row behind a wave creeps apart for 1e5 contacts. */
 static void let_go(chain *c, int32_t k) {
     film_state *s = &c->state[k];
     const film_chain_contact *at = &c->of->contact[k];
-    double *d = &c->y[D * c->n + k], left = *d / at->length - s->xi_free;
-    if (at->curve->pull > 0.0 || s->damper > 0.0 || !(left > 0.0 && fabs(s->nu) < c->of->tolerance * (s->direction < 0 ? 1.0 : STILL))) return;
-    if (c->force[k] * left * at->length > c->of->tolerance * c->of->tolerance * c->of->mass[k]) return;
+    double *d = &c->y[D * c->n + k], left = *d / at->length - s->xi_free, f, work;
+    if (at->curve->pull > 0.0 || !(left > 0.0 && fabs(s->nu) < c->of->tolerance * (s->direction < 0 ? 1.0 : STILL))) return;
+    law_at(at->curve, &s->line, *d / at->length, &f, &work);
+    if (f * at->force * left * at->length > c->of->tolerance * c->of->tolerance * c->of->mass[k]) return;
     *d = s->xi_free * at->length;
     s->branch = FILM_FREE;
     s->phase = FILM_SEPARATED;
@@ -288,9 +290,8 @@ static int64_t sample(const chain *c, double h, int64_t done, int64_t count, con
     return done;
 }
 
-/* Events that are due now, at contacts that are integrated or that free motion has closed. */
-static int switch_contacts(chain *c, int32_t *failed, int *begun) {
-    *begun = 0;
+/* Events that are due now, at contacts that are integrated or that free motion has closed. h: of the next step. */
+static int switch_contacts(chain *c, int32_t *failed, double *h) {
     for (int32_t k = 0; k < c->of->contacts; k++) {
         double *sign = c->sign + SIGNS * k;
         if (k < c->first || k > c->last) {
@@ -303,7 +304,7 @@ static int switch_contacts(chain *c, int32_t *failed, int *begun) {
         }
         c->known = 0;
         int free = !touching(c, k), status = switch_contact(c, k);
-        *begun |= free && touching(c, k);
+        if (free && touching(c, k)) *h = fmin(*h, BEGIN * pow(c->of->tolerance, 0.4) * pow(fabs(rate(c, c->y, k)), -0.6));
         *failed = k;
         if (status < 0) return status;
     }
@@ -314,7 +315,6 @@ static int switch_contacts(chain *c, int32_t *failed, int *begun) {
 static int advance(chain *c, double *h, double free_time, int64_t *done, int64_t count, const double *times, double *samples,
                    int32_t *failed) {
     double left = c->of->limit - c->time, length = fmin(fmin(c->last < c->first ? INFINITY : *h, free_time), left), error;
-    int begun;
     if (c->last >= c->first) slopes(c, c->y, c->slope);
     if (!c->known) signs_in(c, c->y, c->sign);
     for (;;) {
@@ -339,9 +339,7 @@ static int advance(chain *c, double *h, double free_time, int64_t *done, int64_t
     memcpy(c->sign, c->sign_now, (size_t)(SIGNS * c->n) * sizeof(double));
     c->known = 1;
     watch_largest(c);
-    int status = switch_contacts(c, failed, &begun);
-    if (begun) *h = fmin(*h, BEGIN * pow(c->of->tolerance, 0.4));
-    return status;
+    return switch_contacts(c, failed, h);
 }
 
 static int begin(chain *c, void *memory, film_chain_summary *result) {

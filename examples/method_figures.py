@@ -228,7 +228,7 @@ def gradings_figure() -> tuple[Figure, dict]:
     outward_names = ("contact_duration", "final_velocity", "time_impactor_stops")
     half_space = [Case(ball())]
     plates = [Case(on_plate(value)) for value in (0.05, 0.3, 0.6, 1.0)]
-    exponents, ends = np.linspace(1.0, 2.6, 25), np.linspace(1.0, 2.2, 19)
+    exponents, ends = np.linspace(1.0, 2.6, 17), np.linspace(1.0, 2.2, 13)
     maps = (
         ("half-space, way in, 12 lines", half_space, exponents, exponents, None, True),
         ("plates, way in, 12 lines", plates, exponents, exponents, (1.2, 1.7), True),

@@ -40,7 +40,9 @@ SIZE, DPI = (10.0, 4.4), 110
 
 TEXT = """# Oblique impact: theory, measurements and other models
 
-Made by `python examples/oblique_page.py`. See also [how to simulate it](how_to/oblique_impact.md) and
+<!-- written by examples/oblique_page.py -->
+
+How film-model compares; see also [how to simulate it](how_to/oblique_impact.md) and
 [the method](method.md#15-oblique-impact).
 
 ![Rebound of the contact point, and tangential restitution over the angle](oblique.png)

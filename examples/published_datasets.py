@@ -2,8 +2,9 @@
 
 paper_big_alabo, paper_stronge, paper_plate: the impacts of Big-Alabo, Cartmell & Harrison 2017. zener: the coefficient
 of restitution over Zener's inelasticity parameter, on plates of any thickness. restitution: over velocity, for the laws
-of `CONTACTS`. measured_impacts: published values, from the tables in CSV beside it. finite_element_impacts and
-finite_element_pairs: copied; the runs take an hour (run.py, pair.py and publish.py of examples/finite_elements).
+of `CONTACTS`. measured_impacts: published values, from the tables in CSV beside it. oblique_impacts: those of Kharaz,
+Gorham & Salman 2001, from examples/measurements. finite_element_impacts and finite_element_pairs: copied; the runs take
+an hour (run.py, pair.py and publish.py of examples/finite_elements).
 Published data stay as they are: a law that is added later does not change them.
 """
 
@@ -19,6 +20,7 @@ from film_datasets.evidence import evidence_from_csv
 
 SCENES = Path(__file__).parent / "scenes"
 FOLDER = Path(__file__).parent.parent / "datasets" / "published"
+OBLIQUE = Path(__file__).parent / "measurements" / "kharaz_2001.csv"
 
 CONTACTS = {  # laws of the restitution dataset, with the parameters that the scene does not give
     "hertz": {},
@@ -84,6 +86,7 @@ def main(folder: str | Path = FOLDER) -> dict[str, xr.Dataset]:
     made["measured_impacts"] = evidence_from_csv(
         FOLDER / "measured_impacts.csv", FOLDER / "measured_impacts_sources.csv"
     )
+    made["oblique_impacts"] = fd.from_csv(OBLIQUE, "Alumina balls on glass at an angle (Kharaz, Gorham & Salman 2001)")
     made |= {name: fd.load(name) for name in ("finite_element_impacts", "finite_element_pairs")}
     Path(folder).mkdir(parents=True, exist_ok=True)
     for name, dataset in made.items():

@@ -42,7 +42,7 @@ SHOWN = ("contact_force", "maximum_force", "contact_duration", "coefficient_of_r
 
 TEXT = """# Reference impacts
 
-Made by `python examples/reference_scores.py`.
+<!-- written by examples/reference_scores.py -->
 
 `film-model reference-impacts --output DIR` writes an open suite of {count} impacts against which any code that
 simulates contact can be tested: under elastic, plastic, damped, adhesive and viscoelastic laws; on a half-space, a
@@ -70,15 +70,12 @@ $ film-model score results --plot score.png
 | bouncing | the component, to 1e-11 | DOP853, bounce after bounce |
 | chain | steps of order 8 that end at events | DOP853 of SciPy on displacements |
 
-The error bound of a value is the sum of the error estimates of both computations, and the difference of the two is
-within it in every case (`tests/test_reference_impacts.py`). The number of vibrations of a beam, rod or plate with
-edges is chosen by the first computation, whose estimate includes those left out, and both use the core's force on
-the branches of the law. The springs are those of `film-model` for laws that yield, not the theory of the first
-computation. Histories on targets without edges are within 1e-9 of the largest value of a column, measured up to the
-turn.
+The error bound of a value is the sum of the error estimates of both computations; the difference of the two is within
+it in every case (`tests/test_reference_impacts.py`). Both use the core's force on the branches of the law and, on
+targets with edges, the number of vibrations that the first chooses. Histories on targets without edges are within 1e-9
+of the largest value of a column, measured up to the turn.
 
-Of Chung and Ooi's tests there are 1 and 2, and 4 and 5 without damping along the surface; 3 and 6 to 8 are not
-included.
+Chung and Ooi's tests 1, 2, and 4 and 5 without damping along the surface are included.
 
 ## Scoring a code
 
@@ -93,7 +90,7 @@ time [us], contact_force [N], impactor_velocity [m/s]
 0.5, 11.2, 0.3999
 ```
 
-The exact motion is evaluated at the times of the file, so that nothing is interpolated. The error of a column is its
+The exact motion is evaluated at the times of the file. The error of a column is its
 largest difference over the largest value of the reference; largest force and indentation, the duration (the last time
 with a force), the rebound (the last `impactor_velocity`) and the restitution (the last `relative_velocity`) are
 compared with the summary. `--json` prints the errors of all cases, `--plot` draws them. In Python:
@@ -105,8 +102,8 @@ compared with the summary. `--json` prints the errors of all cases, `--plot` dra
 and LAMMPS {lammps}. Each has the parameters that [`film-model contact-for`](engines.md) finds for that case, of the
 laws `constraint`, `point` and `hertz`. What remains for small steps is the difference of the engine's law from that of
 the case: LAMMPS has Hertz's law itself, Drake's force is linear in depth, and no law here yields. Steps are per
-contact; MuJoCo's manual asks for a time constant of at least two steps, {constants}. All run at the same three steps,
-so that errors are compared at equal cost: median and largest over the cases.
+contact; MuJoCo's manual asks for a time constant of at least two steps, {constants}. Median and largest error over the
+cases:
 
 {table}
 

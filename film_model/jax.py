@@ -14,7 +14,7 @@ from film_model.problem.summary import SUMMARY
 from film_model.scene import Scene
 from film_model.scene.options import DEFAULT_ACCURACY
 from film_model.solve.batch import simulate_many
-from film_model.solve.derivatives import Entry, entries_of
+from film_model.solve.derivatives import RESULTS, Entry, entries_of
 from film_model.solve.many_derivatives import derivatives_of_many
 
 NEEDS_JAX = 'film_model.jax needs JAX: install film-model[jax] (pip install "film-model[jax]")'
@@ -23,7 +23,8 @@ NEEDS_JAX = 'film_model.jax needs JAX: install film-model[jax] (pip install "fil
 def summary_function(scene: Scene, paths: Sequence[str], quantities: Sequence[str]) -> Callable[..., dict[str, Any]]:
     """Summary values of a scene as a function of some of its numbers, for JAX.
 
-    paths: keys of numbers that the scene has, such as "impactor.drop_height". quantities: of `SUMMARY`. The function
+    paths: keys of numbers that the scene has, such as "impactor.drop_height". quantities: of the summary and, with
+    friction in the scene, of `History.oblique`. The function
     takes a number or an array, SI, for each path, which broadcast together, and gives an array, SI, for each quantity:
     nan where the impact fails, a number is out of the range of scenes, or the value does not exist. It may be used
     under jit, vmap, grad, jacfwd and jacrev; all impacts of an array, also of vmap, are simulated as one batch, by a
@@ -40,8 +41,9 @@ def summary_function(scene: Scene, paths: Sequence[str], quantities: Sequence[st
         jax: Any = import_module("jax")
     except ImportError as error:
         raise ImportError(NEEDS_JAX) from error
-    unknown = [name for name in quantities if name not in SUMMARY]
-    raise_all([Mistake(None, None, f"quantities.{name}", f"unknown{did_you_mean(name, SUMMARY)}") for name in unknown])
+    known = SUMMARY if scene.contact.friction is None else RESULTS
+    unknown = [name for name in quantities if name not in known]
+    raise_all([Mistake(None, None, f"quantities.{name}", f"unknown{did_you_mean(name, known)}") for name in unknown])
     host, jnp, names = _Host(scene, entries_of(scene, paths), tuple(quantities)), jax.numpy, tuple(quantities)
 
     def on_host(compute: Callable[[Any], tuple[Array, ...]], numbers: Any, *tails: int) -> Any:
@@ -93,12 +95,15 @@ class _Host:
         if inside.size:
             columns = {entry.path: rows[inside, k] for k, entry in enumerate(self.entries)}
             many = simulate_many(self.scene, columns)
-            values[inside] = np.stack([many.summary[name] for name in self.names], axis=-1)
+            along = {} if many.oblique is None else many.oblique.summary
+            results = {**many.summary, **along}
+            values[inside] = np.stack([results[name] for name in self.names], axis=-1)
             if slopes:
                 solver = self.scene.solver
                 by = derivatives_of_many(
                     *(self.scene, columns, self.entries, many.problems, many.on_modes, solver),
                     solver.accuracy or DEFAULT_ACCURACY,
+                    along=not SUMMARY.keys() >= set(self.names),
                 )
                 found[inside] = np.stack([by.values[name] for name in self.names], axis=1)
         shape = (*numbers.shape[:-1], len(self.names))

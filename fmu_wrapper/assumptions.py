@@ -162,7 +162,7 @@ def _values(scene: Scene) -> dict[str, float]:
     if scene.approach_velocity <= 0.0 or scene.target.free:
         return {}
     values = {"initial_velocity": scene.approach_velocity, "mass": scene.mass}
-    if endless(scene.target.radius):
+    if endless(scene.target.radius) and scene.is_round:
         values["radius"] = scene.impactor.radius
     return values
 

@@ -60,7 +60,7 @@ HEADERS = (
     *(f"{CORE}/{name}.h" for name in ("curve/film_law", "march/film_line", "march/film_march", "lanes/film_wide")),
     *(f"{CORE}/{name}.h" for name in ("modal/film_modal", "modal/film_modal_parts")),
     *(f"{CORE}/{name}.h" for name in ("relax/film_relax", "relax/film_relax_parts")),
-    *(f"{CORE}/oblique/film_{name}.h" for name in ("springs", "slide")),
+    *(f"{CORE}/oblique/film_{name}.h" for name in ("friction", "springs", "slide")),
     *(f"{RUNTIME}/{name}.h" for name in ("model", "model_parts", "instance", "variables", "failures")),
 )
 INCLUDES = (CORE, RUNTIME)

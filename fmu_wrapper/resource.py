@@ -173,7 +173,7 @@ def _of_scene(problem: Problem) -> dict[str, float]:
     scene = problem.scene
     sliding = sliding_of(scene, at_rest=True)
     return {
-        "friction": scene.contact.friction or 0.0,
+        "friction": scene.contact.one_friction("an FMU has") or 0.0,
         "initial_tangential_velocity": 0.0 if sliding is None else float(sliding.along),
         "initial_spin": scene.impactor.spin or 0.0,
         "mass": problem.mass,
@@ -217,14 +217,16 @@ def _stresses(problem: Problem) -> Stresses:
     scene = problem.impacts.scene
     modulus, radius = scene.effective_modulus, scene.effective_radius
     known = Stresses(radius)
-    if modulus is None or problem.curve.pulls:
+    if modulus is None or problem.curve.pulls or scene.nose is not None:
         return known
     known.hertz, known.hertzian, known.shallow = hertz_stiffness(modulus, radius), stresses.HERTZIAN, stresses.SHALLOW
     known.widening = problem.impacts.law.value("widening")
     plastic = stresses.plastic_contact(problem.impacts)
     if plastic is not None:
         known.first_radius, known.onset, known.spread = plastic.first_radius, plastic.constants.onset, plastic.spread
-    if scene.stressed_poissons_ratio is not None:
+    if scene.oval is not None:
+        known.radius *= scene.oval.spread
+    elif scene.stressed_poissons_ratio is not None:
         known.shear, known.depth = stresses.shear_below(scene.stressed_poissons_ratio)
     return known
 

@@ -112,12 +112,12 @@ def test_the_estimate_bounds_the_error_of_every_law():
 
 @pytest.mark.slow
 def test_the_estimate_bounds_the_error_of_every_law_in_many_scenes():
-    check_estimates(2000, seed=11, make=random_law_scene, finest=1e-10)
+    check_estimates(800, seed=11, make=random_law_scene, finest=1e-10)
 
 
 @pytest.mark.slow
 def test_the_estimate_bounds_the_error_of_many_random_scenes():
-    check_estimates(4000, seed=1941)
+    check_estimates(1500, seed=1941)
 
 
 def test_an_empty_linearisation_is_refused():

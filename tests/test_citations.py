@@ -10,6 +10,7 @@ from film_model.effects import rate_hardening, viscoelasticity
 from film_model.effects.judged import RULES
 from film_model.laws.unloading import UNLOADINGS
 from film_model.oblique import friction
+from film_model.scene.noses import NOSE, OVAL
 from film_model.studies.citations import keys, references
 
 BALL = fm.Sphere("10 mm", "1 m/s", material="bearing steel")
@@ -18,7 +19,7 @@ BALL = fm.Sphere("10 mm", "1 m/s", material="bearing steel")
 def test_every_source_that_can_be_simulated_has_an_entry():
     sources = [law.source for law in fm.LAWS.values()] + [rule.source for rule in UNLOADINGS.values()]
     sources += [RULES["wave_losses"][0].source, RULES["material_damping"][0].source, viscoelasticity.RULE.source]
-    sources += [friction.SOURCE, rate_hardening.RULE.source]
+    sources += [NOSE, OVAL, friction.SOURCE, rate_hardening.RULE.source]
     missing = set(keys(sources)) - set(references())
     assert not missing and len(keys(sources)) >= 30
 
@@ -36,6 +37,7 @@ def test_entries_are_well_formed():
         ({}, ["tabor1951", "johnson1983"]),
         ({"contact.law": "stronge", "contact.unloading": "brake"}, ["stronge2000", "brake2015"]),
         ({"contact.law": "hertz", "effects.plasticity": False}, ["hertz1882"]),
+        ({"contact.law": "hertz", "target.second_radius": "9 mm"}, ["hertz1882", "johnson1985"]),
         ({"contact.law": "hertz", "contact.friction": 0.1, "impactor.angle": "30 deg"}, ["mindlin1949", "jager1994"]),
     ],
 )

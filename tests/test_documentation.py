@@ -81,3 +81,9 @@ def test_links_lead_somewhere(page):
             target = page.parent / path if path else page
             assert target.exists(), link
             assert not anchor or anchor in anchors(target), link
+
+
+def test_fractions_have_braces():
+    """The site's formulas are by docutils, which reads \\frac12 x as 12/x."""
+    for page in PAGES:
+        assert not re.findall(r"\\[dt]?frac\d\d", page.read_text(encoding="utf-8")), page

@@ -106,12 +106,7 @@ def check_estimates(count, seed):
 
 @pytest.mark.slow
 def test_estimates_are_within_a_factor_of_three():
-    assert min(check_estimates(300, seed=1941).values()) >= 10
-
-
-@pytest.mark.slow
-def test_estimates_of_many_scenes_are_within_a_factor_of_three():
-    assert min(check_estimates(2000, seed=7).values()) >= 80
+    assert min(check_estimates(600, seed=7).values()) >= 20
 
 
 def test_auto_neglects_only_effects_below_the_tolerance():

@@ -118,7 +118,7 @@ def test_the_rounding_of_a_pull_grows_with_the_number_of_lines():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("first", range(20000, 20800, 200))
+@pytest.mark.parametrize("first", [20000, 20200])
 def test_estimates_bound_the_errors_of_random_scenes(first):
     """Of impacts alone and in rows, of every law and target."""
     bounded, kept = [], []

@@ -261,13 +261,18 @@ CHANGES = (
     "&target_motion=false",
     "&impactor.angle=0.6&impactor.spin=-100&contact.friction=0.1",
 )
+SCALED = (
+    "&target.thickness=0.002&target.material.youngs_modulus=7e10&target.material.density=2700",
+    "&target.thickness=0.0012&accuracy=0.001",
+)
+"""Changes of a plate with which its vibrations scale."""
 
 
 @pytest.mark.parametrize("kind", HELD)
 def test_targets_that_vibrate_equal_python(shown, tmp_path, kind):
     damped = {} if kind == "static" else {"damping_ratio": 0.02}
     write_page(tmp_path / "impact.html", fm.Scene.from_table({"impactor": BALL, "target": HELD[kind] | damped}))
-    fragments = ["scene=scene" + change for change in CHANGES]
+    fragments = ["scene=scene" + change for change in (*CHANGES, *(SCALED if kind == "plate" else ()))]
     window = shown((tmp_path / "impact.html").as_uri())
     compared = 0
     for fragment, (found, text) in zip(fragments, window.evaluate(SUMMARIES, fragments), strict=True):
@@ -490,13 +495,13 @@ def test_the_parameters_of_a_law(shown, address):
 
 
 def test_the_netcdf_file_holds_the_motion_of_the_csv(shown, address, tmp_path):
-    window, saved = shown(f"{address}#scene=ball-on-plate"), {}
+    window, saved = shown(f"{address}#scene=ball-on-plate&impactor.angle=0.6&contact.friction=0.2"), {}
     for button in ("csv", "netcdf"):
         with window.expect_download() as download:
             window.click(f"#{button}")
         saved[button] = tmp_path / download.value.suggested_filename
         download.value.save_as(saved[button])
-    rows = np.genfromtxt(saved["csv"], delimiter=",", names=True, usecols=range(11), deletechars="")
+    rows = np.genfromtxt(saved["csv"], delimiter=",", names=True, usecols=range(13), deletechars="")
     with xr.open_dataset(saved["netcdf"], decode_times=False) as ds:
         assert ds.t.dims == ("t",) and ds.contact_force.attrs["units"] == "N"
         assert len(ds.data_vars) == len(rows.dtype.names) - 1
@@ -504,6 +509,11 @@ def test_the_netcdf_file_holds_the_motion_of_the_csv(shown, address, tmp_path):
             assert ds[name].values.tolist() == rows[column].tolist(), name
         scene = fm.Scene.from_text(ds.attrs["scene_toml"])
     assert scene.target.kind == "plate"
+    motion = fm.simulate(scene).oblique.motion
+    for name, size in (("sliding_velocity_(m/s)", 1e-3), ("friction_force_(N)", 5e-3)):
+        column = motion[name.partition("_(")[0]]
+        exact = np.interp(rows["time_(s)"], motion["time"], column)
+        assert rows[name] == pytest.approx(exact, abs=size * abs(column).max())
     assert fm.simulate(scene).summary["maximum_force"] > 0.999 * rows["contact_force_(N)"].max()
 
 

@@ -101,8 +101,8 @@ def test_two_thousand_random_impacts():
 
 
 @pytest.mark.slow
-def test_a_hundred_thousand_random_impacts():
-    for problem, segments in random_impacts(100_000, 2):
+def test_many_random_impacts():
+    for problem, segments in random_impacts(20_000, 2):
         finite_or_refused(problem, segments)
 
 
@@ -350,7 +350,7 @@ def a_step_of_a_year():
 
 def many_steps():
     """Rounding must not add up."""
-    return ball_on_steel("0.25 m/s"), {}, lambda _: iter([(4e-9, 0.0)] * 50_000)
+    return ball_on_steel("0.25 m/s"), {}, lambda _: iter([(1.6e-8, 0.0)] * 12_500)
 
 
 def meshes(*counts):

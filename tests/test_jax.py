@@ -95,3 +95,18 @@ def test_rows_on_vibrating_targets_have_derivatives(jax):
     slope = jax.grad(lambda v: force(v)["maximum_force"])(1.0)
     exact = fm.simulate(one, derivatives=["impactor.velocity"]).derivatives.values["maximum_force"]
     assert float(slope) == pytest.approx(exact["impactor.velocity"], rel=1e-9)
+
+
+@pytest.mark.slow
+def test_of_an_oblique_impact(jax):
+    from film_model.jax import summary_function
+
+    steel = {"youngs_modulus": "210 GPa", "poissons_ratio": 0.3, "density": "7850 kg/m^3"}
+    ball = fm.Sphere("5 mm", "3 m/s", material=steel, angle="40 deg")
+    scene = fm.Scene(ball, fm.HalfSpace(steel), fm.Contact("hertz", friction=0.2), fm.Effects(gravity=False))
+    function = summary_function(scene, ["impactor.angle"], ["rebound_angle", "maximum_force"])
+    by = jax.vmap(jax.grad(lambda angle: function(angle)["rebound_angle"]))(jax.numpy.array([0.2, ball.angle]))
+    exact = fm.simulate(scene, derivatives=["impactor.angle"]).derivatives
+    assert float(by[1]) == pytest.approx(exact.values["rebound_angle"]["impactor.angle"], rel=1e-6)
+    with pytest.raises(fm.SceneError, match="rebound_angle: unknown"):
+        summary_function(scene.replace({"contact.friction": None}), ["impactor.angle"], ["rebound_angle"])

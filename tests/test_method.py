@@ -196,6 +196,29 @@ def test_section_10_lanes_and_march_differ_by_less_than_the_lines_leave(segments
             assert (batch[name] == batch[name][0]).all()
 
 
+def test_section_10_two_lines():
+    """The worked example: its table, line by line, and what two lines, two chords and a batch leave."""
+    recorded, _ = HALF_SPACE.lines(lines(2))
+    found = np.array([(line["kappa"], line["phi"], line["nu"], line["time"]) for line in recorded[1:4]])
+    text = (ROOT / "docs" / "method.md").read_text(encoding="utf-8")
+    rows = [row.replace("−", "-").split("|")[1:-1] for row in re.findall(r"^\| [12] \| .*\|$", text, re.MULTILINE)]
+    table = [[float(number) for cell in row[1:] for number in cell.split(",")] for row in rows]
+    top, time = (getattr(HALF_SPACE.exact, name) for name in ("maximum_indentation", "time_of_maximum_indentation"))
+    for k, (row, line, after) in enumerate(zip(table, found[:2], found[1:], strict=True)):
+        x0, x1, (kappa, phi, nu, began) = k * top / 2, (k + 1) * top / 2, line
+        work = 0.4 * (x1**2.5 - x0**2.5)
+        assert row == pytest.approx(
+            [top / 2, x0**1.5, x1**1.5, work, kappa, phi, nu, after[2], after[3] - began], abs=5.1e-5
+        )
+    assert (top, time, found[2, 3]) == pytest.approx((1.4427, 1.5013, 1.4989), abs=5e-5)
+    chord = HALF_SPACE.on(chords(2))
+    assert 1 - found[2, 3] / time == pytest.approx(0.0016, abs=5e-5)
+    assert 1 - chord.time_of_maximum_indentation / time == pytest.approx(0.0072, abs=5e-5)
+    assert 1 - chord.maximum_indentation / top == pytest.approx(0.027, abs=5e-4)
+    _, batch = native.batch(HALF_SPACE.curve, lines(2), np.frombuffer(bytes(HALF_SPACE.start), native.START_DTYPE))
+    assert batch["time_of_maximum_indentation"] == pytest.approx(time, rel=1e-14)
+
+
 def test_section_12_a_step_in_parts_is_the_step():
     """To rounding, whatever the parts; the exact agreement of restored states is in test_component.py."""
     case = figures.Case(figures.on_plate(0.8))

@@ -14,6 +14,7 @@ from film_model.core import friction as core
 from film_model.core import native
 from film_model.core import springs as core_springs
 from film_model.oblique import springs
+from film_model.scene.friction_table import FrictionTable
 from film_model.scene.rolling import sliding_of
 
 REFERENCE = {
@@ -237,23 +238,21 @@ def test_bad_numbers_are_refused():
 def test_springs_converge_to_the_exact_motion():
     """Errors fall faster than one over the number of springs and steps."""
     exact = fm.simulate(slanted("20 deg"), accuracy=1e-9)
-    times = np.linspace(0.0, exact.duration, 4097)
+    times = np.linspace(0.0, exact.duration, 2049)
     seen, given = exact.sample_si(times), sliding_of(exact.scene)
     radius = np.sqrt(exact.scene.effective_radius * np.maximum(seen.indentation, 0.0))
-    whole, errors = springs.Grip(times, np.maximum(seen.contact_force, 0.0), radius), []
-    for count, stride in ((64, 8), (128, 4), (256, 2)):
-        grip = springs.Grip(*(column[::stride] for column in whole))
-        found, _ = springs.run(grip, given.modulus, given.friction, given.mass, given.velocity, count)
-        errors.append(abs(found[-1] - exact.oblique.summary["contact_point_rebound_velocity"]) / given.velocity)
-    assert errors[2] < 2e-6 and errors[0] > 3.0 * errors[1] > 4.0 * errors[2]
-    run = springs.tangential(
-        springs.Grip(*(column[::2] for column in whole)), *given[2:3], given.friction, *given[3:4], given.velocity
-    )
+    force, numbers = np.maximum(seen.contact_force, 0.0), (given.modulus, given.mass, given.velocity)
+    errors = []
+    for count, every in ((64, 4), (128, 2), (256, 1)):
+        found, *_ = core_springs.impact(count, numbers, given.pairs, times[every], force[::every], radius[::every])
+        errors.append(abs(found.velocity - exact.oblique.summary["contact_point_rebound_velocity"]) / given.velocity)
+    assert errors[2] < 4e-6 and errors[0] > 3.0 * errors[1] > 4.0 * errors[2]
+    run = springs.tangential(given, times, force, radius)
     assert errors[2] <= run.estimated / given.velocity < 1e-3
 
 
-def test_springs_follow_the_exact_motion_within_their_estimate():
-    """Hertz's contact with K_t = f'(z), 150 random impacts."""
+def hertz_in_time():
+    """Times, force and radius of Hertz's contact with K_t = f'(z)."""
     times = np.linspace(0.0, solved(CHI, 10.0)[0].duration, springs.STEPS + 1)
 
     def motion(t, y):
@@ -262,31 +261,71 @@ def test_springs_follow_the_exact_motion_within_their_estimate():
     exact = solve_ivp(motion, (0.0, times[-1]), [0.0, 1.0], "DOP853", times, rtol=1e-11, atol=1e-12)
     depth = np.maximum(exact.y[0], 0.0)
     assert depth[-1] < 1e-9
-    grip = springs.Grip(exact.t, 1.25 * depth**1.5, np.sqrt(depth))
-    rng = np.random.default_rng(1)
+    return times, 1.25 * depth**1.5, np.sqrt(depth)
+
+
+def sprung(times, force, radius, chi, before, friction=((0.0, 1.0),)):
+    """Of springs: sliding velocity at the end, estimated error, and what the core says."""
+    numbers, table = (1.875 / 8.0, 0.5 / chi, before), np.array(friction)
+    found, *_ = core_springs.impact(springs.SPRINGS, numbers, table, times[1], force, radius)
+    return found.velocity, springs.SAFETY * found.apart, found
+
+
+def test_springs_follow_the_exact_motion_within_their_estimate():
+    """150 random impacts."""
+    grip, rng = hertz_in_time(), np.random.default_rng(1)
     for chi, before in zip(rng.uniform(1.0, 3.0, 150), 10.0 ** rng.uniform(-2.0, 1.0, 150), strict=True):
-        run = springs.tangential(grip, 1.875 / 8.0, 1.0, 0.5 / chi, before)
-        assert abs(run.velocity[-1] - after(chi, before)) <= run.estimated < 1e-3 * before
+        end, estimated, _ = sprung(*grip, chi, before)
+        assert abs(end - after(chi, before)) <= estimated < 1e-3 * before
 
 
-def test_springs_of_an_impact_are_those_that_follow_and_refuse_bad_numbers():
+def test_springs_of_an_impact_and_bad_numbers():
+    """Friction within its limit changes the momentum, and half as many springs and steps are the estimate."""
     rng = np.random.default_rng(2)
     force, radius = rng.uniform(0.0, 1.0, 51), np.sqrt(rng.uniform(0.0, 1.0, 51))
-    made = core_springs.springs(40, 1.0, float(radius.max()), 0.3, 2.0, 1.5)
-    velocity, friction = core_springs.follow(made, 0.05, force[1:], radius[1:])
-    assert (np.abs(friction) <= 0.3 * force[1:] * (1.0 + 1e-12)).all()
-    one = core_springs.impact(40, [1.0, 0.3, 2.0, 1.5], 0.05, force, radius)
-    assert (one.velocity, one.force, one.step) == (
-        *(velocity[-1], np.abs(friction).max()),
-        np.abs(friction).argmax() + 1,
-    )
-    half = core_springs.springs(20, 1.0, float(radius.max()), 0.3, 2.0, 1.5)
-    coarse, _ = core_springs.follow(half, 0.1, force[2::2], radius[2::2])
-    assert one.apart == np.abs(velocity[1::2] - coarse).max()
-    assert core_springs.impact(40, [1.0, 0.3, 0.0, 1.5], 0.05, force, radius) is None
-    for bad in ((0, 1.0, 1.0, 0.3, 2.0, 1.5), (257, 1.0, 1.0, 0.3, 2.0, 1.5), (40, 1.0, 0.0, 0.3, 2.0, 1.5)):
-        with pytest.raises(ValueError, match="the core refuses"):
-            core_springs.springs(*bad)
+    table = np.array([[0.0, 0.3]])
+    one, velocity, friction = core_springs.impact(40, [1.0, 2.0, 1.5], table, 0.05, force, radius, rows=True)
+    assert (np.abs(friction[1:]) <= 0.3 * force[1:] * (1.0 + 1e-12)).all() and velocity[0] == 1.5
+    assert np.diff(velocity) == pytest.approx(-0.05 * (friction[1:] + friction[:-1]) / 2.0 / 2.0, abs=1e-15)
+    assert (one.velocity, one.force, one.step) == (velocity[-1], np.abs(friction).max(), np.abs(friction).argmax())
+    assert one.slack == pytest.approx(1.0 - np.abs(friction).sum() / (0.3 * force[1:].sum()), rel=1e-12)
+    wide = np.append(radius[::2][:-1], radius.max())  # springs up to the same radius
+    _, coarse, _ = core_springs.impact(20, [1.0, 2.0, 1.5], table, 0.1, force[::2], wide, rows=True)
+    assert one.apart >= np.abs(velocity[:-2:2] - coarse[:-1]).max() > 0.0
+    for count, bad in ((40, [1.0, 0.0, 1.5]), (0, [1.0, 2.0, 1.5]), (257, [1.0, 2.0, 1.5]), (40, [0.0, 2.0, 1.5])):
+        assert core_springs.impact(count, bad, table, 0.05, force, radius)[0] is None
+
+
+TABLE = ((0.0, 0.4), (0.5, 0.2), (2.0, 0.1), (4.0, 0.15))
+
+
+def test_a_table_of_friction_between_and_beyond_its_rows():
+    """Sliding throughout in closed form against an integration of v' = −µ(|v|), from beyond the table to rest."""
+    table = FrictionTable(TABLE)
+    assert [float(table.at(v)) for v in (0.0, 0.25, 1.25, 9.0)] == pytest.approx([0.4, 0.3, 0.15, 0.15])
+    for impulse in (9.0, 24.0, 40.0):
+        rate, end = (lambda s, v: [-table.at(v[0])]), (lambda s, v: v[0])
+        end.terminal = True
+        exact = solve_ivp(rate, (0.0, impulse), [5.0], "DOP853", rtol=1e-11, atol=1e-12, max_step=0.2, events=end)
+        assert table.slid(5.0, impulse) == pytest.approx(exact.y[0, -1], abs=1e-6)
+        assert table.slid(-5.0, impulse) == -table.slid(5.0, impulse)
+
+
+@pytest.mark.parametrize("before", [0.7, 1.5, 3.0, 12.0])
+def test_springs_with_a_table_of_friction(before):
+    """Two alike rows are a coefficient, to the bit; fewer steps agree within their estimate; sliding is closed."""
+    grip = hertz_in_time()
+    assert sprung(*grip, CHI, before)[0] == sprung(*grip, CHI, before, ((0.0, 1.0), (1.0, 1.0)))[0]
+    rows = ((0.0, 1.2), (1.0, 0.7), (4.0, 0.5))
+    end, estimated, found = sprung(*grip, CHI, before, rows)
+    times, force, radius = (column[::8] for column in grip)
+    rough, wider, _ = sprung(times, force, radius, CHI, before, rows)
+    assert abs(end - rough) <= wider and estimated < 1e-3 * before
+    if before == 12.0:
+        impulse = np.trapezoid(grip[1], grip[0]) * 2.0 * CHI
+        assert found.slack < 1e-12 and end == pytest.approx(FrictionTable(rows).slid(before, impulse), abs=1e-6)
+    else:
+        assert found.slack > 1e-3
 
 
 STEEL = {"youngs_modulus": "210 GPa", "poissons_ratio": 0.3, "density": "7850 kg/m^3"}

@@ -44,6 +44,8 @@ FILES = {
         'material = "bearing steel"\nvelocity = "0.2 m/s"\n[target]\nmaterial = "granite"\n'
         for name, count in (("cradle", 4), ("row", 12))
     },
+    "motions.csv": "time [us], a [m/s^2], b [g]\n"
+    + "\n".join(f"{5 * k}, {min(k % 40, 15) * 9}, {-(k % 23)}" for k in range(100)),
     "force.csv": "time [us], contact_force [N]\n0, 0\n10, 50\n20, 90\n",
     "measured.csv": "velocity [m/s], restitution\n0.2, 0.61\n0.5, 0.50\n1, 0.42\n2, 0.36\n",
 }
@@ -64,6 +66,7 @@ COMMANDS = {
     "engines": "contact-for yade slab.toml --velocity 0.1..2 --plot picture.png",
     "score": "score force.csv --case hertz-half-space-0.4 --plot picture.png",
     "fit": "identify measured.csv slab.toml --fit contact.yield_strength --plot picture.png",
+    "force from sensors": "identify --force-from motions.csv sensed.toml --plot picture.png",
     "tolerance": "tolerance cloud.toml --plot picture.png",
     **{name: f"plot {name}.nc --output picture.png --quantity maximum_force" for name in SWEEPS},
     **{

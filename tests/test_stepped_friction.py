@@ -134,10 +134,53 @@ def test_what_has_no_friction_in_steps_is_refused(entries, sentence):
         fm.ImpactComponent(scene().replace(entries))
 
 
-def test_targets_that_vibrate_and_pushes_without_friction_are_refused():
+@pytest.mark.parametrize("law", ["hertz", "elastoplastic"])
+@pytest.mark.parametrize("psi", [0.3, 1.5, 3.0, 4.7, 8.0])
+def test_phases_are_those_of_the_exact_motion(law, psi):
+    """Within 1 % of the duration; elastic in its dent, a ball sticks and slips as one on a half-space."""
+    history, _ = after(scene(psi=psi))
+    component, begun = fm.ImpactComponent(on := scene(law, psi)), []
+    phases = [component.sliding.phase]
+    duration = fm.simulate(on).duration
+    for _ in range(9):
+        begun += component.step(1.02 * duration / 9).sliding
+        phases.append(component.sliding.phase)
+    assert [name for _, name in begun] == [name for _, name in history.oblique.events]
+    times = [time / history.duration for time, _ in history.oblique.events]
+    assert [time / duration for time, _ in begun] == pytest.approx(times, abs=0.01)
+    assert phases[0] == phases[-1] == "free" and set(phases[1:-1]) <= {"sticks", "slips", "slides"}
+
+
+@pytest.mark.parametrize("psi", [0.7, 8.0])
+def test_on_a_beam_that_vibrates(psi):
+    """Within the estimate of simulate, whatever the steps; the normal motion is that without friction, to the bit."""
     beam = fm.Beam("bearing steel", length="200 mm", width="20 mm", thickness="5 mm", position="90 mm")
-    with pytest.raises(fm.SimulationError, match="not supported in steps on a target that vibrates"):
-        fm.ImpactComponent(scene(target=beam))
+    on = scene(psi=psi, target=beam)
+    history, component = fm.simulate(on, accuracy=1e-5), fm.ImpactComponent(on, accuracy=1e-5)
+    component.step(1.01 * history.duration)
+    found, before = history.oblique, history.oblique.motion["sliding_velocity"][0]
+    error = found.estimated * before
+    exact = found.summary["contact_point_rebound_velocity"]
+    assert component.sliding.sliding_velocity == pytest.approx(exact, abs=error) and error < 2e-3 * before
+    assert component.sliding.friction_work == pytest.approx(found.summary["friction_work"], rel=2e-3)
+    assert component.outputs.contact_count > 1
+    plain = fm.ImpactComponent(on.replace({"contact.friction": None}), accuracy=1e-5)
+    plain.step(1.01 * history.duration)
+    assert component.outputs == plain.outputs
+    short = fm.ImpactComponent(on, accuracy=1e-5)
+    for _ in range(7):
+        short.step(1.01 * history.duration / 7)
+    assert short.sliding.sliding_velocity == pytest.approx(component.sliding.sliding_velocity, abs=1e-5 * before)
+    component.reset()
+    saved = component.save()
+    component.step(history.duration)
+    first = component.sliding
+    component.restore(saved)
+    component.step(history.duration)
+    assert component.sliding == first
+
+
+def test_pushes_without_friction_are_refused():
     plain = fm.ImpactComponent(scene().replace({"contact.friction": None}))
     with pytest.raises(ValueError, match=r"need contact\.friction"):
         plain.step(1e-6, torque="1 N m")

@@ -21,7 +21,14 @@ if TYPE_CHECKING:
     from film_datasets.files import open_dataset as open
     from film_datasets.files import read, write
     from film_datasets.history_dataset import history_of, lines_of
-    from film_datasets.identification import Identification, compare_laws, identify, log_likelihood
+    from film_datasets.identification import (
+        Identification,
+        IdentifiedForce,
+        compare_laws,
+        identify,
+        identify_force,
+        log_likelihood,
+    )
     from film_datasets.published_data import load, published
     from film_datasets.reference_impacts.score import Score, score
     from film_datasets.reference_impacts.suite import write_suite
@@ -39,6 +46,7 @@ __all__ = [
     "VERSIONS",
     "Film",
     "Identification",
+    "IdentifiedForce",
     "Score",
     "Tolerance",
     "Variable",
@@ -49,6 +57,7 @@ __all__ = [
     "from_csv",
     "history_of",
     "identify",
+    "identify_force",
     "lines_of",
     "load",
     "log_likelihood",
@@ -78,6 +87,7 @@ _MODULES = {
     "files": ("open_dataset", "read", "write"),
     "history_dataset": ("history_of", "lines_of"),
     "identification": ("Identification", "compare_laws", "identify", "log_likelihood"),
+    "identification.contact_force": ("IdentifiedForce", "identify_force"),
     "published_data": ("load", "published"),
     "reference_impacts.score": ("Score", "score"),
     "reference_impacts.suite": ("write_suite",),

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from film_datasets.provenance import provenance
-from film_datasets.schema import MEASURED_CONDITIONS, MEASUREMENT, TABLE, Variable, content_sha256
+from film_datasets.schema import FORCE_INTERVAL, MEASURED_CONDITIONS, MEASUREMENT, TABLE, Variable, content_sha256
 from film_model.base.errors import Mistake, SceneError, did_you_mean, raise_all, shown
 from film_model.base.units import DIMENSIONS, to_si
 from film_model.oblique.result import OBLIQUE
@@ -95,6 +95,37 @@ def from_csv(path: str | os.PathLike[str], title: str = "", columns: Mapping[str
     >>> fd.from_csv("measured.csv").impactor_velocity.values
     array([0.2, 0.5, 1. ])
     """
+    name, text, head, headings, body = csv_rows(path, columns)
+    names = [_variable(heading) for heading in headings]
+    kind = "history" if "t" in names else "impacts"
+    known = {variable.name: variable for variable in TABLE[f"{MEASUREMENT} {kind}"]}
+    units = _columns(name, head, headings, names, known)
+    values = numbers(name, body, names, units)
+    for one in (CONVERTED[_name(heading)] for heading in headings if _name(heading) in CONVERTED):
+        if one.dimension == "length" and (wrong := np.flatnonzero(values[one.variable] < 0)).size:
+            raise SceneError([Mistake(name, body[int(wrong[0])][0], "", "a height must not be negative")])
+        values[one.variable] = one.convert(values[one.variable])
+    along = next(iter(known))
+    if kind == "history" and not (np.diff(values[along]) > 0).all():
+        late = int(np.flatnonzero(~(np.diff(values[along]) > 0))[0]) + 1
+        raise SceneError([Mistake(name, body[late][0], "", "the time does not increase")])
+    if kind == "impacts":
+        _check_sizes(name, [line for line, _ in body], values, known, along)
+    return _dataset(Path(name), text, title, kind, {key: (known[key], value) for key, value in values.items()}, along)
+
+
+class Rows(NamedTuple):
+    """A file's name and text, the line of its heading, the headings, and the cells of each row with their line."""
+
+    name: str
+    text: str
+    head: int
+    headings: list[str]
+    body: list[tuple[int, list[str]]]
+
+
+def csv_rows(path: str | os.PathLike[str], columns: Mapping[str, str] | None = None) -> Rows:
+    """The heading with units, and the rows, of a file as `from_csv` takes it. Raises SceneError."""
     text, name = read_text(path, LARGEST_TABLE)
     lines = enumerate(text.splitlines(), 1)
     numbered = [(number, line) for number, line in lines if line.strip() and line.lstrip()[0] != "#"]
@@ -112,22 +143,7 @@ def from_csv(path: str | os.PathLike[str], title: str = "", columns: Mapping[str
             [f"{one} [{unit.strip(' []()')}]" for one, unit in zip(headings, body[0][1], strict=False)],
             body[1:],
         )
-    names = [_variable(heading) for heading in headings]
-    kind = "history" if "t" in names else "impacts"
-    known = {variable.name: variable for variable in TABLE[f"{MEASUREMENT} {kind}"]}
-    units = _columns(name, head, headings, names, known)
-    values = _values(name, body, names, units)
-    for one in (CONVERTED[_name(heading)] for heading in headings if _name(heading) in CONVERTED):
-        if one.dimension == "length" and (wrong := np.flatnonzero(values[one.variable] < 0)).size:
-            raise SceneError([Mistake(name, body[int(wrong[0])][0], "", "a height must not be negative")])
-        values[one.variable] = one.convert(values[one.variable])
-    along = next(iter(known))
-    if kind == "history" and not (np.diff(values[along]) > 0).all():
-        late = int(np.flatnonzero(~(np.diff(values[along]) > 0))[0]) + 1
-        raise SceneError([Mistake(name, body[late][0], "", "the time does not increase")])
-    if kind == "impacts":
-        _check_sizes(name, [line for line, _ in body], values, known, along)
-    return _dataset(Path(name), text, title, kind, {key: (known[key], value) for key, value in values.items()}, along)
+    return Rows(name, text, head, headings, body)
 
 
 def doubts_of(ds: xr.Dataset) -> list[str]:
@@ -157,8 +173,8 @@ def measured_over(ds: xr.Dataset) -> tuple[str, list[str]]:
 
 
 def _given(along: str) -> tuple[str, ...]:
-    """Variables that are not measured: the time of a history, the conditions of impacts."""
-    return (along,) if along == "t" else MEASURED_CONDITIONS
+    """Variables that are not measured: the time of a history and an interval, the conditions of impacts."""
+    return (along, *FORCE_INTERVAL) if along == "t" else MEASURED_CONDITIONS
 
 
 def split_heading(heading: str) -> tuple[str, str]:
@@ -205,7 +221,7 @@ def _chosen_columns(file: str, numbered: list[tuple[int, str]], columns: Mapping
     raise SceneError([Mistake(file, None, "", f"no line has the columns {missing}{hint}")])
 
 
-def _size(unit: str) -> str:
+def size_text(unit: str) -> str:
     """What a cell of 1 means: the unit may have a factor, such as "2.2 kN" for the volts of a sensor."""
     return unit if _FACTOR.match(unit) else f"1 {unit}"
 
@@ -243,7 +259,7 @@ def _columns(
         if dimension == "dimensionless":
             unit = _PLAIN.get(unit, unit)
         try:
-            to_si(_size(unit), dimension)
+            to_si(size_text(unit), dimension)
         except ValueError as error:
             what = str(error).replace(f'"1 {unit}"', f"unit {shown(unit)}" if unit else "").lstrip(": ")
             mistakes.append(Mistake(file, line, "", f"column {shown(heading.strip())}: {what}"))
@@ -269,10 +285,10 @@ def _why_unknown(name: str, known: Mapping[str, Variable]) -> str:
     return f"is not known{did_you_mean(name, [*known, *NAMES, *CONVERTED])}"
 
 
-def _values(
+def numbers(
     file: str, body: list[tuple[int, list[str]]], names: list[str], columns: dict[str, tuple[str, str]]
 ) -> dict[str, np.ndarray]:
-    """The numbers of each column, SI."""
+    """The numbers of each column, SI. columns: dimension and unit of each. Raises SceneError for wrong cells."""
     mistakes: list[Mistake] = []
     table = np.full((len(body), len(names)), math.nan)
     for row, (line, cells) in enumerate(body):
@@ -293,7 +309,7 @@ def _values(
                     Mistake(file, line, "", f"{names[column]}: {shown(cell.strip())} is not a number{hint}")
                 )
     raise_all(mistakes[:MOST_MISTAKES])
-    sizes = [to_si(_size(unit), dimension) for dimension, unit in (columns[name] for name in names)]
+    sizes = [to_si(size_text(unit), dimension) for dimension, unit in (columns[name] for name in names)]
     return {name: table[:, k] * sizes[k] for k, name in enumerate(names)}
 
 

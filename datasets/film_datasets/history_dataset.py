@@ -41,7 +41,7 @@ from film_model.plot.history import Trace
 from film_model.solve.closed_form import TABLES, ClosedForm
 from film_model.solve.history import MOTION, SUMMARY, Accuracy, Event, History, Samples, stage_names
 from film_model.solve.modal_motion import ModalMotion
-from film_model.solve.sensed import MOTION as SENSED
+from film_model.solve.sensed import quantities_of
 from film_model.solve.simulate import simulate_chosen
 
 if TYPE_CHECKING:
@@ -102,6 +102,7 @@ def history_contents(history: History, samples: int, command: str) -> Contents:
             *TABLE[f"{HISTORY} steps"],
             *TABLE[f"{HISTORY} friction"],
             *TABLE[f"{HISTORY} sensors"],
+            *TABLE[f"{HISTORY} strains"],
             *CONSTANTS,
             SCENE_KEY.over(()),
         )
@@ -300,11 +301,12 @@ def _sensors(history: History, times: NDArray[np.float64]) -> dict[str, Any]:
     peaks = history.sensor_peaks
     if not peaks:
         return {}
-    found = history.sensed_si(times)
+    found, known = history.sensed_si(times), quantities_of(history.scene.target)
+    largest = {name: [own.get(f"maximum_{name}", np.nan) for own in peaks.values()] for name in known}
     return {
         "sensor": list(found.names),
-        **{f"sensor_{name}": getattr(found, name) for name in SENSED},
-        **{f"sensor_maximum_{name}": [own[f"maximum_{name}"] for own in peaks.values()] for name in SENSED},
+        **{f"sensor_{name}": getattr(found, name) for name in known},
+        **{f"sensor_maximum_{name}": values for name, values in largest.items()},
     }
 
 

@@ -34,7 +34,7 @@ from film_model.solve.history import MOTION
 from film_model.solve.many_derivatives import ManyDerivatives, derivatives_of_many
 from film_model.solve.many_meshes import recorded_segments
 from film_model.solve.many_modes import Followed, closed_forms, sensor_peaks
-from film_model.solve.sensed import MOTION as SENSED
+from film_model.solve.sensed import quantities_of
 
 SEGMENT_UNITS = (*(f"scale_{scale.name}" for scale in fields(Scales)), "drift_velocity", "impactor_share")
 """Values that convert an impact's closed form to SI, by the names of the schema."""
@@ -97,13 +97,13 @@ class Impacts:
             yield _on_modes(followed, {row: form for row, form in found if form is not None})
 
     def sensor_peaks(self) -> dict[str, dict[str, Array]]:
-        """Largest displacement, velocity and acceleration of each sensor of the scene, SI; NaN where the target does
-        not vibrate."""
+        """Largest values of the quantities of each sensor of the scene, SI; NaN where the target does not vibrate."""
         names = [sensor.name for sensor in self.scene.target.sensors or ()]
-        found = np.full((len(names), len(SENSED), self.status.size), np.nan)
+        known = quantities_of(self.scene.target)
+        found = np.full((len(names), len(known), self.status.size), np.nan)
         for followed in self._followed if names else ():
             found[:, :, followed.rows] = sensor_peaks(followed)
-        return {name: dict(zip(SENSED, own, strict=True)) for name, own in zip(names, found, strict=True)}
+        return {name: dict(zip(known, own, strict=True)) for name, own in zip(names, found, strict=True)}
 
     def samples(self, count: int, into: Mapping[str, Array], rows: Index) -> None:
         """Put the motion at `count` even times of each contact into the `rows` of arrays, by the names of `MOTION`.

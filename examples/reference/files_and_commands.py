@@ -153,6 +153,17 @@ time [us], force [N]
 20, 188
 ```
 
+## Measured motions of sensors
+
+For `film-model identify --force-from` and `film_datasets.identify_force`: even times, and a column for each sensor of
+`[[target.sensors]]`, under its name. The unit says whether it is a displacement, a velocity or an acceleration.
+
+```text
+time [us], corner [m/s^2], wall [g]
+0, 0.3, 0.01
+5, 0.1, -0.02
+```
+
 ## Measured impacts
 
 For the same commands: one row for each impact. Cells may be empty, except velocities.
@@ -202,6 +213,7 @@ which the entry of the scene replaces: `# static_compliance = 4.01e-6 m/N`.
                 ("`modal_mass`", "`kg`", "of the shape in the next column"),
                 ("`shape`", "", "deflection of that shape at the struck point, along the impact"),
                 ("`shape_…`", "", "deflection at a sensor that names this column; optional"),
+                ("`strain_…`", "`1/m`", "strain at a sensor that names this column, of the same shape; optional"),
                 ("`mass_normalised_shape`", "`1/sqrt(kg)`", "replaces both: the shape whose modal mass is 1"),
                 ("`damping_ratio`", "", "optional"),
             ],

@@ -23,6 +23,7 @@ _SAID_ELSEWHERE = re.compile(
 
 EXAMPLES = {
     "shape": '"shell"',
+    "half_angle": '"70 deg"',
     "friction": "0.2",
     "roughness": '"0.8 um"',
     "fluid_viscosity": '"1 mPa*s"',
@@ -80,7 +81,7 @@ EXAMPLES = {
     "frequency": '["180 Hz", "410 Hz"]',
     "modal_mass": '["0.9 kg", "1.4 kg"]',
     "sensors": '[{ name = "tip", position = "80 mm" }]',
-    "Plate.sensors": '[{ name = "corner", position = ["10 mm", "20 mm"] }]',
+    "Plate.sensors": '[{ name = "corner", position = ["10 mm", "20 mm"], strain = true }]',
     "Structure.sensors": '[{ name = "tip", shape = "shape_17" }]',
 }
 """Examples of keys for which that of their dimension does not serve."""

@@ -62,8 +62,9 @@ Sweeps with `derivatives` have, for each number of the scene, `d_<value>_d_<numb
 unit of the value over that of the number; `derivative_accuracy_<number>`, the largest estimated relative error; and
 `derivative_side_<number>`: {", ".join(f"{k} `{word}`" for k, word in SIDES)}.
 The attribute `derivatives` names the numbers. Sweeps over a structure with sensors have, for each, its largest motions
-`sensor_<name>_maximum_displacement`, `…_velocity` and `…_acceleration`; the attribute `sensors` names them. The
-attribute `variables`, of a sweep that keeps only some of its values, names those.
+`sensor_<name>_maximum_displacement`, `…_velocity` and `…_acceleration`, and with `strain` also `…_strain_x`,
+`…_strain_y` and `…_bending_stress`; the attribute `sensors` names them. The attribute `variables`, of a sweep that
+keeps only some of its values, names those.
 
 ## Global attributes
 

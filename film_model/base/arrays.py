@@ -53,6 +53,11 @@ def sine(x: Any) -> Any:
     return np.sin(x) if isinstance(x, np.ndarray) else math.sin(x)
 
 
+def tangent(x: Any) -> Any:
+    """tan x, x in radians."""
+    return np.tan(x) if isinstance(x, np.ndarray) else math.tan(x)
+
+
 def exponential(x: Any) -> Any:
     """eˣ of a number, an array, or an object that has a method for it."""
     if isinstance(x, np.ndarray):

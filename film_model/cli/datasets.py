@@ -13,7 +13,7 @@ from film_model.cli.output import (
     add_json,
     add_plot,
     add_style,
-    check_picture,
+    check_outputs,
     check_writable,
     listed,
     print_json,
@@ -47,12 +47,18 @@ def add_commands(named: Any) -> None:
     add_force(parser, "overwrite an existing picture")
     parser.set_defaults(command=plot)
 
-    parser = named.add_parser("identify", help="fit parameters of a scene to a measurement")
+    parser = named.add_parser("identify", help="from a measurement: parameters of a scene, or the contact force")
     parser.add_argument(
         "measured", nargs="+", help="CSV files: time and force, or velocity and restitution, with units"
     )
     parser.add_argument("scene", help="scene file (TOML), with initial values")
-    parser.add_argument("--fit", required=True, metavar="NAME[,NAME]", help="e.g. contact.yield_strength,time_offset")
+    what = parser.add_mutually_exclusive_group(required=True)
+    what.add_argument("--fit", metavar="NAME[,NAME]", help="e.g. contact.yield_strength,time_offset")
+    what.add_argument(
+        "--force-from",
+        action="store_true",
+        help="the file has time and accelerations of the target's sensors: find the contact force behind them",
+    )
     parser.add_argument(
         "--columns",
         metavar="NAME=HEADING",
@@ -73,8 +79,9 @@ def add_commands(named: Any) -> None:
         default="curvature",
         help="how they are found; profile: exactly",
     )
+    parser.add_argument("--output", metavar="FILE", help="write the force: .nc, .zarr, .csv, .parquet or .mat")
     add_plot(parser, "draw measurement and fit")
-    add_force(parser, "overwrite an existing picture")
+    add_force(parser)
     add_json(parser)
     parser.set_defaults(command=identify)
 
@@ -218,9 +225,13 @@ def identify(options: argparse.Namespace) -> int:
     import film_datasets
     from film_model.scene import Scene
 
-    check_picture(options.plot, options.force)
+    check_outputs(options)
     scene = Scene.from_toml(options.scene)
     columns = dict(map(_column, options.columns or ()))
+    if options.force_from:
+        return _identify_force(options, scene, columns)
+    if options.output:
+        raise ValueError("--output: is for --force-from")
     measured = [film_datasets.from_csv(path, columns=columns) for path in options.measured]
     pairs = (pair.partition("=")[::2] for pair in options.each or ())
     given: dict[str, Any] = {"each": {key: listed(values) for key, values in pairs}, "intervals": options.intervals}
@@ -234,6 +245,29 @@ def identify(options: argparse.Namespace) -> int:
     else:
         print(found.table())
         print_written(options.plot)
+    print_warnings(found.warnings)
+    return DONE
+
+
+def _identify_force(options: argparse.Namespace, scene: Scene, columns: dict[str, str]) -> int:
+    """The contact force from the motion of sensors."""
+    import film_datasets
+
+    for name in ("each", "law"):
+        if getattr(options, name):
+            raise ValueError(f"--{name}: is not for --force-from")
+    if len(options.measured) > 1:
+        raise ValueError(f"--force-from: {len(options.measured)} files are given, one is needed")
+    found = film_datasets.identify_force(options.measured[0], scene, options.confidence, columns=columns)
+    if options.output:
+        film_datasets.write(found.to_dataset(), options.output, overwrite=options.force)
+    if options.plot:
+        found.plot(options.plot)
+    if options.json:
+        print_json(found.to_dict())
+    else:
+        print(found.table())
+        print_written(options.output, options.plot)
     print_warnings(found.warnings)
     return DONE
 

@@ -17,7 +17,7 @@ def add_commands(named: Any) -> None:
 
     parser = named.add_parser("export-page", help="write a scene as one self-contained page with sliders")
     parser.add_argument("scene", help="scene file (TOML)")
-    parser.add_argument("--output", metavar="FILE.html", required=True, help="the page")
+    parser.add_argument("--output", metavar="FILE.html", default="impact.html", help="the page (impact.html)")
     add_force(parser)
     parser.set_defaults(command=export_page)
 

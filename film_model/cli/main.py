@@ -54,6 +54,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     # Sums are then the same on any number of processors, and NumPy starts no threads, a quarter of its time to import.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     given = sys.argv[1:] if arguments is None else arguments
+    if not given:
+        parser().print_help(sys.stderr)
+        sys.exit(WRONG)
     options = parser(*given[:1]).parse_args(given)
     if isinstance(sys.stdout, io.TextIOWrapper):
         sys.stdout.reconfigure(errors="replace")  # "?" for characters that the encoding lacks
@@ -107,7 +110,7 @@ class Named:
     def __str__(self) -> str:
         lines = list[str]()
         for heading, commands in GROUPS.items():
-            lines += [f"{heading}:", *(f"  {name:14}{self.about[name]}" for name in commands), ""]
+            lines += [f"{heading}:", *(f"  {name:18}{self.about[name]}" for name in commands), ""]
         return "\n".join(lines)
 
 

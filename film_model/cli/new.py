@@ -57,11 +57,11 @@ SCENE = """\
 title = "Ball on a {kind}"
 
 [impactor]
-radius   = "10 mm"              # of the contacting surface, or diameter; another shape: its radius there, and mass
+radius   = "10 mm"              # of the contacting surface, or diameter; or shape = "cone", …
 velocity = "1 m/s"              # towards the target, or drop_height = "50 mm"
 material = "bearing steel"
 # mass  = "32 g"                # default density × sphere volume
-# angle = "20 deg"              # to the normal; only the normal component is simulated
+# angle = "20 deg"              # to the normal; with friction = 0.2 in [contact] sliding and spin, too
 
 [target]
 kind = "{kind}"

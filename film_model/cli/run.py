@@ -145,12 +145,16 @@ def _sensors(history: History) -> list[str]:
     if not history.sensor_peaks:
         return ["  sensors                       no motion: the vibrations of the target are not simulated"]
     from film_model.base.units import format_si
-    from film_model.solve.sensed import MOTION
+    from film_model.solve.sensed import MOTION, STRAIN
 
     lines = list[str]()
     for name, peaks in history.sensor_peaks.items():
         texts = (format_si(peaks[f"maximum_{what}"], kind, 4) for what, (kind, _) in MOTION.items())
         lines.append(f"  {f'sensor {name}, largest':30}{', '.join(texts)}")
+        known = {what: peaks[key] for what in STRAIN if (key := f"maximum_{what}") in peaks}
+        if known:
+            texts = (f"{what.replace('_', ' ')} {format_si(own, STRAIN[what][0], 4)}" for what, own in known.items())
+            lines.append(f"  {'':30}{', '.join(texts)}")
     return lines
 
 
@@ -174,15 +178,14 @@ def _events(history: History) -> list[str]:
 
 def _derivatives(history: History) -> str:
     """The derivatives as text, those by each number together: in SI, and as per cent of the value for 1 %."""
-    from film_model.problem.summary import SUMMARY
-
     found, lines = history.derivatives, list[str]()
+    along = {} if history.oblique is None else history.oblique.summary
     if found is None:
         return ""
     for path, entry in found.entries.items():
         lines += ["", f"  {f'derivatives by {path} = {entry.text}':50}{'per 1 %':>12}"]
-        for name in SUMMARY:
-            slope, value = found.values[name][path], history.summary[name]
+        for name, value in {**history.summary, **along}.items():
+            slope = found.values[name][path]
             if slope is None:
                 continue
             share = f"{slope * entry.value / value:.4f} %" if value else "-"

@@ -252,7 +252,7 @@ typedef struct {
 typedef struct {
     double maximum_force, maximum_indentation, time_of_maximum_indentation;
     double time_impactor_stops;
-    double contact_duration, permanent_indentation, final_velocity; /* at the end; the dent of a law that is damped or pulls is no dent */
+    double contact_duration, permanent_indentation, final_velocity; /* damped or adhesive law: where contact ended, not a dent */
     double shift; /* of the target, at the end */
     double work;  /* done on the indentation, less what it gave back */
     int32_t stage, lines;

@@ -282,21 +282,22 @@ class Motion:
             numbers = ", ".join(f"{name}={getattr(start, name)!r}" for name in (field[0] for field in Start._fields_))
             raise ValueError(f"the core refuses the start {numbers}, gap={gap!r}")
 
-    def _at(self) -> tuple[Any, ...]:
+    def pointers(self) -> tuple[Any, ...]:
+        """Structure, curve, state and waves, for the core."""
         return c.byref(self.tables.native), c.byref(self.curve), c.byref(self.state), self._waves.ctypes.data
 
     def set_input(self, load: float, nu_change: float, stop_velocity: float) -> int:
         """As `native.set_input`; the core's status."""
-        return _library().film_modal_input(*self._at(), load, nu_change, stop_velocity)
+        return _library().film_modal_input(*self.pointers(), load, nu_change, stop_velocity)
 
     def step(self, dt: float) -> int:
         """Forward by dt or to the next event; the core's status."""
         with self.tables.lock:
-            return _library().film_modal_step(*self._at(), dt)
+            return _library().film_modal_step(*self.pointers(), dt)
 
     def values(self) -> Array:
         """ξ, ξ', f, ν and displacement of the struck point now."""
-        _library().film_modal_motion(*self._at(), self._values.ctypes.data)
+        _library().film_modal_motion(*self.pointers(), self._values.ctypes.data)
         return self._values
 
     def save(self) -> bytes:

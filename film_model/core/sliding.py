@@ -6,16 +6,22 @@ import ctypes as c
 from functools import lru_cache
 from typing import Any
 
-from film_model.core import native
-from film_model.core.springs import Springs
+from film_model.core import modal, native
+from film_model.core.springs import Array, Springs
 
-_D = c.c_double
+_D, _I, _EVENTS = c.c_double, c.c_int32, 32
 
 
 class Sliding(c.Structure):
-    """film_sliding: springs that slip, and what they have done."""
+    """film_sliding: springs that slip, and what they have done. phase: place in `film_model.oblique.result.KINDS`, −1
+    without contact. begins, kinds: of phases that began in the last call, after so much of its time."""
 
-    _fields_ = (("impulse", _D), ("work", _D), ("springs", Springs))
+    _fields_ = (
+        *((name, _D) for name in ("impulse", "work", "passed")),
+        *(("begins", _D * _EVENTS), ("kinds", _I * _EVENTS)),
+        *((name, _I) for name in ("events", "phase", "sign", "cut", "partly", "reserved")),
+        ("springs", Springs),
+    )
 
 
 @lru_cache(maxsize=1)
@@ -24,8 +30,10 @@ def _library() -> Any:
     lib, pointer = native.library(), c.c_void_p
     lib.film_slide_init.argtypes = [pointer, _D, _D, _D]
     lib.film_slide_init.restype = c.c_int
-    lib.film_slide.argtypes = [pointer, pointer, pointer, _D, pointer]
+    lib.film_slide.argtypes = [pointer, pointer, pointer, _D, pointer, c.c_int32, pointer]
     lib.film_slide.restype = c.c_int
+    lib.film_slide_on_modes.argtypes = [pointer, pointer, pointer, pointer, _D, pointer, c.c_int32, pointer]
+    lib.film_slide_on_modes.restype = c.c_int
     lib.film_slide_size.restype = c.c_int64
     if lib.film_slide_size() != c.sizeof(Sliding):
         raise ImportError("the core was built from other sources: install the package again (pip install .)")
@@ -40,6 +48,17 @@ def begin(friction: float, mass: float, velocity: float) -> Sliding:
     return made
 
 
-def slide(curve: native.Curve, mesh: native.Mesh, begun: native.State, dt: float, sliding: Sliding) -> int:
-    """Advance `sliding` in place by dt, in which the normal motion leads on from `begun`; the core's status."""
-    return _library().film_slide(c.byref(curve), c.byref(mesh), c.byref(begun), dt, c.byref(sliding))
+def slide(
+    curve: native.Curve, mesh: native.Mesh, begun: native.State, dt: float, friction: Array, sliding: Sliding
+) -> int:
+    """Advance `sliding` in place by dt, in which the normal motion leads on from `begun`; the core's status.
+    friction: pairs of speed and coefficient, (pairs, 2); none for that of the start."""
+    table = friction.ctypes.data, len(friction)
+    return _library().film_slide(c.byref(curve), c.byref(mesh), c.byref(begun), dt, *table, c.byref(sliding))
+
+
+def slide_on_modes(motion: modal.Motion, dt: float, friction: Array, sliding: Sliding) -> int:
+    """Advance both motions by dt, in the structure's unit, or to the next event; the core's status."""
+    table = friction.ctypes.data, len(friction)
+    with motion.tables.lock:
+        return _library().film_slide_on_modes(*motion.pointers(), dt, *table, c.byref(sliding))

@@ -26,15 +26,16 @@ class Springs(c.Structure):
     _fields_ = (
         [(name, _D) for name in ("stiffness", "width", "friction", "mass", "v", "q", "push", "radius")]
         + [("u", _D * MOST)]
-        + [("count", _I), ("reserved", _I)]
+        + [(name, _I) for name in ("count", "reserved", "watched", "cut")]
     )
 
 
 class Impact(c.Structure):
     """film_springs_impact_result. velocity: at the end. force, step: largest friction force, and after how many steps.
-    apart: largest difference of the velocity at any time to that of half as many springs and steps."""
+    apart: largest difference of the velocity at any time to that of half as many springs and steps. slack: what the
+    friction force lacks to its limit, a share of the impulses."""
 
-    _fields_ = (("velocity", _D), ("force", _D), ("apart", _D), ("step", c.c_int64))
+    _fields_ = (*((name, _D) for name in ("velocity", "force", "apart", "slack")), ("step", c.c_int64))
 
 
 @lru_cache(maxsize=1)
@@ -42,9 +43,7 @@ def _library() -> Any:
     """The core's library, with the functions of film_springs.h declared."""
     lib, pointer, i64 = native.library(), c.c_void_p, c.c_int64
     signatures: dict[str, tuple[list[Any], Any]] = {
-        "film_springs_init": ([pointer, _I, *[_D] * 5], c.c_int),
-        "film_springs_follow": ([pointer, _D, i64, pointer, pointer, pointer, pointer], None),
-        "film_springs_impact": ([_I, *[_D] * 5, i64, pointer, pointer, pointer], c.c_int),
+        "film_springs_impact": ([_I, *[_D] * 3, pointer, _I, _D, i64, *[pointer] * 5], c.c_int),
         "film_springs_radii": ([i64, *[pointer] * 3, _D, pointer, pointer], None),
         "film_springs_energy": ([pointer], _D),
         "film_springs_size": ([], i64),
@@ -58,39 +57,26 @@ def _library() -> Any:
     return lib
 
 
-def springs(count: int, modulus: float, largest: float, friction: float, mass: float, velocity: float) -> Springs:
-    """Springs that do not touch yet, up to the radius `largest`. Raises ValueError for numbers out of range."""
-    made = Springs()
-    numbers = modulus, largest, friction, mass, velocity
-    if _library().film_springs_init(c.byref(made), count, *numbers) != native.OK:
-        raise ValueError(f"the core refuses {count} springs with {numbers!r}")
-    return made
-
-
 def energy(state: Springs) -> float:
     """Energy of the springs."""
     return _library().film_springs_energy(c.byref(state))
 
 
-def follow(state: Springs, time: float, force: Array, radius: Array) -> tuple[Array, Array]:
-    """Sliding velocity and friction force after each of as many steps as there are forces and radii."""
-    force, radius = (np.ascontiguousarray(values, np.float64) for values in (force, radius))
-    velocity, friction = np.empty(force.size), np.empty(force.size)
-    at = [array.ctypes.data for array in (force, radius, velocity, friction)]
-    _library().film_springs_follow(c.byref(state), time, force.size, *at)
-    return velocity, friction
+def impact(
+    count: int, numbers: Sequence[float], friction: Array, step: float, force: Array, radius: Array, rows: bool = False
+) -> tuple[Impact | None, Array, Array]:
+    """An impact in an even number of steps of a time, and the sliding velocity and friction force over it, or empty
+    without `rows`; no impact for numbers out of range.
 
-
-def impact(count: int, numbers: Sequence[float], step: float, force: Array, radius: Array) -> Impact | None:
-    """An impact in an even number of steps of a time; None for numbers out of range.
-
-    numbers: modulus, friction, mass and velocity. force, radius: before the first step and after each.
+    numbers: modulus, mass and velocity. friction: pairs of speed and coefficient, (pairs, 2). force, radius: before the
+    first step and after each.
     """
-    force, radius = (np.ascontiguousarray(values, np.float64) for values in (force, radius))
-    found = Impact()
-    at = force.ctypes.data, radius.ctypes.data, c.byref(found)
-    status = _library().film_springs_impact(count, *numbers, step, force.size - 1, *at)
-    return found if status == native.OK else None
+    friction, force, radius = (np.ascontiguousarray(values, np.float64) for values in (friction, force, radius))
+    found, motion = Impact(), np.empty((2, force.size if rows else 0))
+    table, motions = (friction.ctypes.data, len(friction)), [row.ctypes.data if rows else None for row in motion]
+    at = force.ctypes.data, radius.ctypes.data, c.byref(found), *motions
+    status = _library().film_springs_impact(count, *numbers, *table, step, force.size - 1, *at)
+    return found if status == native.OK else None, motion[0], motion[1]
 
 
 def radii(force: Array, depth: Array, law: Array, modulus: float) -> tuple[Array, Array]:

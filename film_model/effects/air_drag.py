@@ -32,11 +32,10 @@ def air_drag(case: Case, rule: Rule) -> Effect:
     final = terminal_velocity(case.scene.mass, ball.radius)
     value = 2.0 * STANDARD_GRAVITY * height / final**2
     slowed = math.sqrt(-math.expm1(-value) / value)
-    why = (
-        f"a sphere falls through air at {format_si(final, 'velocity', 2)} at most, and from this height reaches "
-        f"{format_si(slowed * ball.path_speed, 'velocity', 2)}, not {format_si(ball.path_speed, 'velocity', 2)}: "
-        "give the velocity"
-    )
+    why = f"a sphere falls through air at {format_si(final, 'velocity', 2)} at most"
+    reached, given = (format_si(speed, "velocity", 2) for speed in (slowed * ball.path_speed, ball.path_speed))
+    if reached != given:
+        why += f", and from this height reaches {reached}, not {given}: give the velocity"
     return rule.sized(case.tolerance, value, None, 1.0 - slowed**2, why)
 
 

@@ -11,6 +11,7 @@ from film_model.base.arrays import either, greater, ratio
 from film_model.effects.effect import NOT_JUDGED, NOT_MODELLED, NOT_NEEDED, Effect, agreeing
 from film_model.problem.problem import Problem
 from film_model.scene import Scene
+from film_model.scene.noses import elastic_radius
 from film_model.targets import Impact
 
 ABSENT = "not supported"
@@ -67,8 +68,8 @@ class Case:
 
     @property
     def contact_radius(self) -> float:
-        """√(R δ_m), m: Hertz's."""
-        return math.sqrt(self.scene.effective_radius * self.indentation)
+        """That of the elastic contact at δ_m, m: √(R δ_m) of a ball."""
+        return elastic_radius(self.scene, self.indentation)
 
     @property
     def energy(self) -> float:

@@ -100,6 +100,7 @@ class Choice:
         found += [self._gravity] if wanted.gravity is False else []
         found += [self._motion] if wanted.target_motion is False else []
         fixed = wanted.plasticity is False or self.scene.contact.law != "auto" or self._damps
+        fixed = fixed or not self.scene.is_round
         found += self._plasticity if fixed and self.problem.curve.reversible else ()
         return _in_order([*found, *self._judged])
 

@@ -85,6 +85,11 @@ def small_slope(case: Case, rule: Rule) -> Effect:
     """
     scene = case.scene
     modulus, radius = scene.effective_modulus, scene.effective_radius
+    if scene.nose is not None:
+        beyond = case.contact_radius / scene.impactor.radius
+        if beyond > 1.0:
+            return rule.failing(f"the {scene.impactor.shape} is pressed in beyond its base", beyond, 1.0)
+        return rule.unjudged("known for balls only", beyond)
     if modulus is None:
         return rule.unjudged("missing: an effective modulus")
     if case.indentation > DEEPEST * radius:
@@ -120,11 +125,10 @@ def _bodies(scene: Scene, modulus: float) -> tuple[list[Body], bool]:
 def obliqueness(case: Case, rule: Rule) -> Effect:
     """An impact at an angle or with spin: simulated with friction in [contact], otherwise only its normal component.
 
-    Left out then are the tangential velocity, friction and spin. How far they are open is bounded for friction
-    coefficients from 0 to 1: friction's impulse is at most µ times the normal one, m (1 + e) V cos α, and at most that
-    which throws the contact point back, m_t v (1 + β), with the share β that an elastic contact gives back at most. The
-    change is the range of the tangential velocity of the ball, over its speed before. The normal impact is unchanged by
-    friction if both bodies are elastically similar.
+    Without friction the change is the range of the ball's tangential velocity for friction coefficients from 0 to 1,
+    over its speed before: friction's impulse is at most µ times the normal one, m (1 + e) V cos α, and at most that
+    which throws the contact point back, m_t v (1 + β), with the largest share β that an elastic contact gives back. The
+    normal impact is unchanged by friction if both bodies are elastically similar.
     """
     return oblique(case.scene, rule, case.restitution, case.tolerance)
 

@@ -30,6 +30,9 @@ from film_model.effects.roughness import roughness
 from film_model.effects.squeeze_film import squeeze_film
 from film_model.problem.problem import Problem
 
+OF_BALLS = (adhesion, fracture, air_drag, roughness, squeeze_film)
+"""Rules that hold for balls only."""
+
 
 def judge(problem: Problem, vibrates: bool) -> tuple[Effect, ...]:
     """All rules applied to one impact; "not judged" if its contact does not end.
@@ -53,6 +56,8 @@ def _case(problem: Problem, vibrates: bool) -> Case | None:
 
 def _apply(name: str, problem: Problem, case: Case | None) -> Effect:
     rule, judge_case = RULES[name]
+    if problem.scene.nose is not None and judge_case in OF_BALLS:
+        return rule.unjudged("known for balls only")
     if case is not None:
         return judge_case(case, rule)
     if judge_case is obliqueness:

@@ -83,13 +83,10 @@ def material_damping(case: Case, rule: Rule) -> Effect:
     """Material damping: loss factors tan δ take the fraction 1 − e² of the elastic energy.
 
     e is that of a contact whose modulus relaxes as t^−β, tan δ = tan(πβ/2), integrated by Lee & Radok 1960 and Ting
-    1966: 1 − 1.2048 tan δ if tan δ is small, right to 1 % of e up to 0.12. (Half a cycle of linear hysteresis would
-    give π/2 in place of 1.2048: contact ends before the indentation is 0.) The loss factors of two bodies are averaged,
-    weighted with their compliances. If one body has none, it is taken as 0, and the effect says so; it is not judged if
-    the loss is then below the tolerance, but the body has more than a tenth of the compliance. The loss of a body with
-    a prony series is that of the effect viscoelasticity, and 0 here. A body softer than 5 GPa, a plastic, rubber
-    or foam, never rebounds without loss: if its loss factor is unknown, the effect matters. A damped law has the losses
-    itself.
+    1966: 1 − 1.2048 tan δ if tan δ is small, right to 1 % of e up to 0.12. The loss factors of two bodies are averaged,
+    weighted with their compliances. A missing one is taken as 0, and the effect says so. The loss of a body with a
+    prony series is that of the effect viscoelasticity, and 0 here. If the loss factor of a body softer than 5 GPa
+    (plastic, rubber, foam) is unknown, the effect matters. A damped law has the losses itself.
 
     Law "auto" simulates them by the law tsuji with this restitution, at all velocities, if they change the summary by
     more than the tolerance; of an impact that yields, if they leave less than the law elastoplastic does. No law here
@@ -117,7 +114,8 @@ def material_damping(case: Case, rule: Rule) -> Effect:
     value = scene.loss_factor or 0.0
     own = loss_restitution(value)
     share, left = 1.0 - own**2, case.restitution * own
-    why = f"the materials dissipate {100 * share:.2g} % of the elastic energy: restitution about {left:.2g}"
+    why = f"the materials dissipate {100 * share:.2g} % of the elastic energy"
+    why += "" if case.vibrates else f": restitution about {left:.2g}"
     size = share * (1.0 - case.fraction)
     if missing:
         given = sum(soft[part] for part in known) / total
@@ -153,18 +151,15 @@ def fracture(case: Case, rule: Rule) -> Effect:
     tensile_strength.
 
     With a toughness: a ring crack of depth c around the contact has K² = F² ψ/(π² a³), where ψ(c/a, r/a) follows from
-    Huber's radial stress over the depth. Its maximum over c and r (at r = 1.18 a, c = 0.05 a for ν = 0.2) gives
-    the least force that can crack the surface, whatever flaws it has: F = (3 π²/4 ψ) K_Ic² R/E. It is proportional to R
-    (Auerbach 1891), and toughnesses that Warren 1995 finds so agree with others. Surfaces without flaws of that size
-    bear more. Without a toughness: the tensile stress at the edge, (1 − 2ν) p0/3 (Hertz), p0 = 1.5 times the mean
-    pressure, against the strength; that stress falls within a fraction of a, so that small contacts bear several times
-    as much. What a crack absorbs is unknown.
+    Huber's radial stress over the depth. Its maximum over c and r gives the least force that can crack the surface,
+    whatever flaws it has: F = (3 π²/4 ψ) K_Ic² R/E. Surfaces without flaws of that size bear more. Without a toughness:
+    the tensile stress at the edge, (1 − 2ν) p0/3 (Hertz), p0 = 1.5 times the mean pressure, against the strength; small
+    contacts bear several times as much. What a crack absorbs is unknown.
 
-    A body with a crushing_strength is judged by that alone: it begins to crush where the mean pressure exceeds it. What
-    is crushed, and held by what surrounds it, is taken to bear p_c = 3 times this strength, as yielding metals do; ice
-    below the middle of a dropped sphere bears 2 to 3.3 times, 25 to 41 MPa (Gagnon & Gammon 1997, J. Glaciol. 43).
-    Over the circle that the undeformed ball cuts, π a² = 2π R δ, the force is then at most W + √(W² + 4π R p_c E), with
-    the weight W and the impact energy E: a stop by the stiffness 2π R p_c. Small contacts on concrete may bear more.
+    A body with a crushing_strength is judged by that alone: it begins to crush where the mean pressure exceeds it, and
+    is taken to bear p_c = 3 times this strength when crushed (ice 2 to 3.3 times: Gagnon & Gammon 1997, J. Glaciol.
+    43). The force is then at most W + √(W² + 4π R p_c E), with the weight W and the impact energy E. Small contacts on
+    concrete may bear more.
     """
     scene = case.scene
     bodies = {"impactor": scene.impactor.material, "target": scene.target.material}

@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from film_model.scene import Scene
+from film_model.scene.friction_table import FrictionTable
 from film_model.scene.rolling import sliding_before, stiffness_ratio, tangential_mobility
 
 LARGEST = 1.0
@@ -62,13 +63,13 @@ def reversed_share(scene: Scene, mobility: float) -> float:
 
 
 def expected(scene: Scene, restitution: float) -> str | None:
-    """How the contact will slide, in words; None without friction or the materials.
+    """How the contact will slide, in words; None without the materials, or without friction or with a table of it.
 
     It sticks first below ψ₁ = 1 and slides throughout from ψ₁ = 2 χ (1 + e) − e on: under any law with elastic
     unloading friction then never falls below its limit.
     """
     friction, ratio = scene.contact.friction, stiffness_ratio(scene)
-    if not friction or ratio is None:
+    if not friction or ratio is None or isinstance(friction, FrictionTable):
         return None
     number = abs(sliding_before(scene)) / (ratio * friction * scene.approach_velocity)
     chi = 0.5 * tangential_mobility(scene) * scene.effective_mass / ratio

@@ -19,9 +19,10 @@ from film_model.effects.effect import (
 )
 from film_model.effects.trial import change, matters
 from film_model.laws.law import AbstractLaw, Stage
-from film_model.laws.yielding import LEAST_YIELD_STRAIN, MOST_YIELD_STRAIN, yield_velocity
+from film_model.laws.yielding import LEAST_YIELD_STRAIN, MOST_YIELD_STRAIN, YIELD_PRESSURE_RATIO, yield_velocity
 from film_model.problem.law_of_scene import ASSUMED_POISSONS_RATIO, ELASTIC, YIELDING, can_yield, reaches_yield
 from film_model.problem.problem import Problem
+from film_model.scene.noses import elastic_radius
 
 FULLY_PLASTIC_RATIO = 200.0
 """V/V_Y at which an impact on a half-space reaches full plasticity: 200.6 by Stronge's law, 201.3 by Big-Alabo's."""
@@ -84,6 +85,9 @@ def describe(problem: Problem, kept: bool, damps: bool = False) -> tuple[Effect,
 
     kept: whether the problem's law, which yields, matters. damps: whether a damped law replaces it even so.
     """
+    if not problem.scene.is_round:
+        last = _fully_plastic(problem, False, None)
+        return _of_pressure(problem), last._replace(reason="the law does not yield")
     scene, law, yields = problem.scene, problem.law, reaches_yield(problem.scene)
     wanted, tolerance, auto = scene.effects.plasticity, scene.effect_tolerance, scene.contact.law == "auto"
     modulus, strength, yielding = scene.effective_modulus, problem.impacts.yield_strength, not problem.curve.reversible
@@ -129,6 +133,27 @@ def describe(problem: Problem, kept: bool, damps: bool = False) -> tuple[Effect,
     source = "Big-Alabo, Cartmell & Harrison 2017, after (19): p_m = 1.1 S_y; marched with the law and with Hertz's"
     found = Effect("plasticity", "V/V_Y", ratio, 1.0, size, state, reason, source, cost)
     return found, _fully_plastic(problem, yielding, ratio)
+
+
+def _of_pressure(problem: Problem) -> Effect:
+    """Of a contact that is not a ball's, whose law does not yield: its mean pressure at the largest force."""
+    scene, core = problem.scene, problem.trial.summary
+
+    def effect(state: str, reason: str, value: float | None = None, size: float | None = None) -> Effect:
+        source = "mean pressure at the first yield of a ball: Big-Alabo, Cartmell & Harrison 2017, after (19)"
+        return Effect("plasticity", "p_m/(1.1 S_y)", value, 1.0, size, state, reason, source)
+
+    if scene.yield_strength is None:
+        return effect(NOT_JUDGED, "missing: a yield strength; the law does not yield")
+    radius = elastic_radius(scene, core.maximum_indentation * problem.scales.length)
+    pressure = core.maximum_force * problem.scales.force / (math.pi * max(radius, 1e-300) ** 2)
+    value = pressure / (YIELD_PRESSURE_RATIO * scene.yield_strength)
+    if value > 1.0:
+        said = f"the mean pressure is {value:.3g} times that at which a ball yields, but laws that yield are of balls"
+        return effect(NOT_MODELLED, f"{said}: the largest force is an upper bound", value)
+    if scene.nose is None:
+        return effect(NOT_NEEDED, "the contact stays below the mean pressure of yield", value, 0.0)
+    return effect(NOT_JUDGED, "its tip or edge yields at any force; the mean pressure is below that of yield", value)
 
 
 def _fully_plastic(problem: Problem, yielding: bool, ratio: float | None) -> Effect:

@@ -7,6 +7,7 @@ import math
 from film_model.base.materials import Material, named
 from film_model.base.units import format_si
 from film_model.scene import Scene
+from film_model.scene.noses import VOLUMES
 
 LEAST, MOST = 0.3, 3.0
 """Mass over density × volume of a ball of the contact's radius, and numbers of a material over those of the catalogue
@@ -27,7 +28,7 @@ def remarks(scene: Scene) -> tuple[str, ...]:
         if material is None:
             continue
         found += [f"{part}.material.{said}" for said in _of_material(material)]
-        if mass is None or not math.isfinite(body.radius):
+        if mass is None or not math.isfinite(body.radius) or getattr(body, "shape", None) in VOLUMES:
             continue
         ball = material.density * 4.0 / 3.0 * math.pi * body.radius**3
         if not ball * LEAST <= mass <= ball * MOST:

@@ -14,12 +14,10 @@ def roughness(case: Case, rule: Rule) -> Effect:
     """Asperities soften a contact whose indentation is not large compared with the height of the roughness.
 
     α = σ R/a² (Greenwood & Tripp 1967), which is σ/δ in Hertz's contact: here σ is `roughness` in [contact], the
-    combined rms height of both surfaces, and δ the largest indentation. The change is α: by so much the indentation,
-    counted from a hundredth of the largest force, grows in the model of Greenwood and Tripp, where elastic asperities
-    of one curvature and of normally distributed heights cover an elastic sphere. It is right within a factor of two
-    for α from 0.02 to 0.75 and μ = (8/3) η σ √(2 R β) from 1 to 17, with η asperities per area of the tip radius β. The
-    largest force falls by 0.3 to 1 times as much. Where asperities yield, or the smooth contact does, this is an order
-    of magnitude only.
+    combined rms height of both surfaces, and δ the largest indentation. The change is α: so much the indentation grows
+    in their model of elastic asperities on an elastic sphere, within a factor of two for α from 0.02 to 0.75 and
+    μ = (8/3) η σ √(2 R β) from 1 to 17, with η asperities per area of the tip radius β. The largest force falls by 0.3
+    to 1 times as much. Where asperities or the smooth contact yield, this is an order of magnitude only.
     """
     height = case.scene.contact.roughness
     if height is None:

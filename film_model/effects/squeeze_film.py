@@ -40,16 +40,15 @@ def squeezed(
 
 
 def squeeze_film(case: Case, rule: Rule) -> Effect:
-    """The fluid around the contact, which the ball squeezes out when it comes and draws in when it leaves.
+    """The fluid that the ball squeezes out of the contact when it comes and draws in when it leaves.
 
     The Stokes number is St = m V/(6 π μ R²), which is (2/9) ρ V R/μ of a ball on a wall, with `fluid_viscosity` μ in
     [contact]. Lubrication resists with 6 π μ R² v/h, so that between the gaps R and h the velocity changes by
     V ln(R/h)/St on each way, and the restitution e becomes e (1 − (1 + 1/e) ln(R/h)/St): the form e (1 − St_c/St) of
-    Davis, Serayssol & Hinch 1986, where the film acts on both ways. h is the `roughness` in
-    [contact], or what elastic flattening leaves, 0.37 ((μ V/E)² R³)^{1/5}, if that is more. The change is that of the
-    restitution. For a smooth ball in a liquid St_c is about 19; the measured relation exp(−35/St) (Legendre et al.
-    2005), no rebound below St = 10, and that without a liquid above 500 (Joseph et al. 2001), agree within a factor of
-    two. Left out: cavitation, which spares the way back; a film thinner than R; inertia of the fluid; drag on the way.
+    Davis, Serayssol & Hinch 1986, where the film acts on both ways. h is the `roughness` in [contact], or what elastic
+    flattening leaves, 0.37 ((μ V/E)² R³)^{1/5}, if that is more. The change is that of the restitution. For a smooth
+    ball in a liquid St_c is about 19; measurements (Legendre et al. 2005, Joseph et al. 2001) agree within a factor of
+    two. Left out: cavitation, a film thinner than R, inertia of the fluid, drag on the way.
     """
     scene = case.scene
     viscosity, height, modulus = scene.contact.fluid_viscosity, scene.contact.roughness, scene.effective_modulus

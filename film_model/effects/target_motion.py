@@ -52,7 +52,7 @@ class Support(NamedTuple):
 
     @property
     def how(self) -> str:
-        """The same as a phrase."""
+        """How the target moves, in words."""
         if self.vibrates:
             return "vibrates between its edges"
         if self.compliance > 0.0:

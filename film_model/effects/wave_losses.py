@@ -2,16 +2,14 @@
 
 The surface under a point force F(t) lags behind its static deflection by Ḟ β/(ρ c_T³) (Lamb's problem), so that waves
 take β/(ρ c_T³) ∫Ḟ² dt. Zener's impedance Z takes ∫F² dt/Z. Both are equal for an elastic impact of the contact time t_c
-if Z = 0.0878 t_c² ρ c_T³/β; half of the energy is gone when the force is largest, also by waves, so that the force is
-right too, to first order in the energy lost. Finite elements of a rigid ball of steel's density on steel lose 1.54 and
-4.00 % at 1 and 5 m/s, these impacts 1.52 and 3.94 %. In impacts that yield this Z is right within 5 % up to 100 yield
-velocities and rises as (V/V_Y)^0.07 beyond; the energy is right within 10 %. Law "auto" simulates it, other laws only
-if the scene asks for it.
+if Z = 0.0878 t_c² ρ c_T³/β; the force is right too, to first order in the energy lost. Finite elements of a rigid ball
+of steel's density on steel lose 1.54 and 4.00 % at 1 and 5 m/s, these impacts 1.52 and 3.94 %. In impacts that yield
+the energy is right within 10 %. Law "auto" simulates it, other laws only if the scene asks for it.
 
-Beyond 15 % of the energy, terms of second order matter: a warning says so. Z belongs to this impact: the waves of later
-contacts of a component or FMU, at other velocities V', take an energy that is wrong by the factor (V'/V)^{2/5}. A force
-that lasts much longer than t_c moves the target at F/Z, which a half-space does not do: its displacement is not real.
-Waves are not simulated where the weight exceeds a tenth of the largest elastic force.
+Beyond 15 % of the energy a warning says that terms of second order matter. Z belongs to this impact: the waves of later
+contacts at other velocities V' take an energy that is wrong by the factor (V'/V)^{2/5}. A force that lasts much longer
+than t_c moves the target at F/Z, which a half-space does not do. Waves are not simulated where the weight exceeds a
+tenth of the largest elastic force.
 """
 
 from __future__ import annotations
@@ -48,9 +46,9 @@ LARGE = 0.15
 
 
 def impedance_of(scene: Scene, yielding: bool) -> Any:
-    """The impedance by which a half-space takes up the energy of waves, N s/m; infinite if that is unknown. Of one
+    """The impedance by which a half-space takes up the energy of waves, N s/m; infinite if unknown (a cone). Of one
     impact, or of a scene with arrays. yielding: the law yields."""
-    if scene.effective_modulus is None:
+    if scene.effective_modulus is None or scene.nose is not None:
         return math.inf
     impedance = scene.target.radiation_impedance(duration(scene))
     ratio = yield_velocities(scene) if yielding else None
@@ -148,7 +146,12 @@ def remarks(problem: Problem) -> tuple[str, ...]:
 def settled(effect: Effect, problem: Problem) -> Effect:
     """The estimated effect with what was decided about it. problem: what is simulated."""
     scene, simulated = problem.scene, problem.gamma > 0.0
-    if effect.name != "wave_losses" or scene.target.gives_way or (effect.change is None and not simulated):
+    if (
+        effect.name != "wave_losses"
+        or scene.target.gives_way
+        or scene.nose is not None
+        or (effect.change is None and not simulated)
+    ):
         return effect
     if pressed(problem) and not simulated:
         why = "the weight makes the impact last longer than its velocity says"

@@ -110,6 +110,8 @@ class Content:
 
     def _scene(self, name: str, scene: Scene) -> dict[str, Any]:
         """A scene with what was decided for it."""
+        if not scene.is_round:
+            raise SimulationError("the page shows contacts of balls, and this is another: use film-model run")
         whole, scene = scene, with_yield_strengths(scene)
         choice = choose(scene)
         hardening = change(choose(whole).light, choice.light) if whole.strain_hardening_exponent > 0.0 else 0.0
@@ -119,7 +121,7 @@ class Content:
         inputs = list(inputs_of(scene))
         if held is not None:
             scene = support.fixed_to(choice)
-            inputs = [entry for entry in inputs if support.may_change(entry.path)]
+            inputs = [entry for entry in inputs if support.may_change(entry.path, held)]
             inputs += support.damping_of(scene.target) if held["modes"] else []
         paths = [entry.path for entry in inputs]
         target = scene.target
@@ -259,14 +261,13 @@ def layout() -> dict[str, Any]:
         "solution": native.Solution,
     }
     structures |= {"modal": modal.Modal, "modal_start": modal.Start, "modal_summary": modal.Summary}
-    structures |= {"normal": friction.Normal, "friction": friction.Result}
+    structures |= {"normal": friction.Normal, "friction": friction.Result, "springs": springs.Impact}
     structures |= {"modal_segment": modal.Segment, "modal_event": modal.Event}
     found: dict[str, Any] = {
         name: {field[0]: getattr(kind, field[0]).offset for field in kind._fields_} | {"size": size_of(kind)}
         for name, kind in structures.items()
     }
     return found | {
-        "springs": size_of(springs.Springs),
         "curve": size_of(native.Curve),
         "most_segments": MOST_SEGMENTS,
         "events": native.EVENTS,
@@ -283,7 +284,7 @@ def size_of(kind: Any) -> int:
 def _constants() -> dict[str, Any]:
     return {
         "first_segments": FIRST_SEGMENTS,
-        "trial_segments": 4 * TRIAL_SEGMENTS,  # the page has lines only, Python's trial their shorter ways
+        "trial_segments": 4 * TRIAL_SEGMENTS,  # the page marches lines only; the trial in Python takes shorter ways
         "grazing": GRAZING,
         "deeper": DEEPER,
         "sure": SURE,

@@ -225,6 +225,7 @@ def _problem(
     numbers = recording.symbols("n", FROM_SCENE)
     strength = numbers["yield_strength"]  # infinite if there is none
     varied: Any = SimpleNamespace(**numbers | {"yield_strength": either(strength < math.inf, strength, math.nan)})
+    varied.nose = varied.oval = None
     varied.rate_hardening = RateHardening(
         **{name.removeprefix("rate_"): n for name, n in recording.symbols("n", RATE_LAW).items()}
     )
@@ -312,8 +313,8 @@ def reflections_function(name: str, template: Scene, paths: Sequence[str]) -> st
 def friction_functions(template: Scene, paths: Sequence[str]) -> dict[str, str]:
     """Of an impact with friction, from its entries `x`, by what they compute.
 
-    sliding: what friction depends on besides the normal motion `p`. regime: its number, from the sliding velocity
-    `after` and the normal impulse. oblique: the results, from the normal rebound, the sliding velocity after, the
+    sliding: what friction depends on besides the normal motion `p`. regime: its number, from the `slack` of friction.
+    oblique: the results, from the normal rebound, the sliding velocity after, the
     largest friction force and its time.
     """
     r, scene, given = _slides(template, paths)
@@ -324,8 +325,7 @@ def friction_functions(template: Scene, paths: Sequence[str]) -> dict[str, str]:
     outputs |= {"before": before, "error": exact_error(problem, before)}
     found = {"sliding": r.function("sliding", "x, p", outputs)}
     r, scene, given = _slides(template, paths)
-    regime = regime_of(scene, given, r.symbol("after"), r.symbol("impulse"))
-    found["regime"] = r.function("regime", "x, after, impulse", {"regime": regime})
+    found["regime"] = r.function("regime", "x, slack", {"regime": regime_of(scene, given, r.symbol("slack"))})
     r, scene, given = _slides(template, paths)
     rebound, after, *peak = (r.symbol(name) for name in ("rebound", "after", "force", "time"))
     outputs = results(scene, given, rebound, after, (peak[0], peak[1]))

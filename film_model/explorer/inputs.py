@@ -124,7 +124,7 @@ def inputs_of(scene: Scene) -> tuple[Input, ...]:
     """The entries of a scene, in the order of scene files."""
     sections = (("impactor", scene.impactor), ("target", scene.target), ("contact", scene.contact))
     found = [entry for path, owner in sections for entry in _entries(path, owner)]
-    return tuple(entry for entry in found if entry.path not in ALONG) + along_of(scene)
+    return (*found, *along_of(scene))
 
 
 def along_of(scene: Scene) -> tuple[Input, ...]:
@@ -134,7 +134,7 @@ def along_of(scene: Scene) -> tuple[Input, ...]:
     entries = (
         Input(ALONG[0], ball.FIELDS["angle"], ball.angle, (0.0, STEEPEST)),
         Input(ALONG[1], ball.FIELDS["spin"], ball.spin, (-rolling, rolling)),
-        Input(ALONG[2], contact.FIELDS["friction"], contact.friction, (0.0, MOST_FRICTION)),
+        Input(ALONG[2], contact.FIELDS["friction"], contact.one_friction("the page has"), (0.0, MOST_FRICTION)),
     )
     known = contact.effective_modulus is None and stiffness_ratio(scene) is not None
     return tuple(entry for entry in entries if known or entry.value is not None)
@@ -150,7 +150,7 @@ def _entries(path: str, owner: Any) -> Iterator[Input]:
                 yield Input(f"{here}.{entry}", Material.FIELDS[entry], getattr(value, entry))
         elif hasattr(value, "FIELDS"):
             yield from _entries(here, value)
-        elif field.low is not None and not isinstance(value, tuple) and name not in JUDGED:
+        elif field.low is not None and not isinstance(value, tuple) and name not in JUDGED and here not in ALONG:
             missing = value is None or (name == "radius" and math.isinf(value))
             if not missing or (name == "mass" and owner.material is not None):
                 present = owner.own_mass if name == "mass" else None

@@ -1,6 +1,7 @@
 """How a target that is held moves on the page: its static compliance and its natural vibrations, which Python computed.
 
-The page follows the force on these; what they depend on, the target's geometry and material, cannot change there.
+The page follows the force on these; what they depend on, the target's geometry and material, cannot change there, but
+those numbers of a plate with which all vibrations scale.
 """
 
 from __future__ import annotations
@@ -33,7 +34,7 @@ from film_model.solve.vibration import (
     UNRESOLVED,
     vibrate,
 )
-from film_model.targets import AbstractTarget, Structure
+from film_model.targets import AbstractTarget, Plate, Structure
 
 SPARE = 4.0
 """Highest frequency of the page's modes over that which the scene as given needs."""
@@ -58,9 +59,23 @@ def fixed_to(choice: Choice) -> Scene:
     return replace(choice.scene, effects=effects)
 
 
-def may_change(path: str) -> bool:
-    """Whether an entry of the scene may change on the page: the target's vibrations do not depend on it."""
-    return not path.startswith("target.") or path in LIVE
+def scales_of(target: AbstractTarget) -> dict[str, float]:
+    """Entries of an isotropic plate without bed and springs with which its vibrations scale, and their values: ω ∝
+    h √(E/ρ), share ∝ 1/(ρ h) and compliance ∝ 1/(E h³), whatever its edges. None of other targets."""
+    if not isinstance(target, Plate) or target.thickness is None or target.stiffness_given:
+        return {}
+    if target.foundation_stiffness or target.edge_stiffness or target.material is None:
+        return {}
+    return {
+        "target.thickness": target.thickness,
+        "target.material.youngs_modulus": target.material.youngs_modulus,
+        "target.material.density": target.material.density,
+    }
+
+
+def may_change(path: str, held: dict[str, Any]) -> bool:
+    """Whether an entry of the scene may change on the page: the target's vibrations do not depend on it, or scale."""
+    return not path.startswith("target.") or path in LIVE or path in held["scales"]
 
 
 def damping_of(target: AbstractTarget) -> list[Input]:
@@ -74,12 +89,13 @@ def damping_of(target: AbstractTarget) -> list[Input]:
 def data(choice: Choice) -> tuple[dict[str, Any] | None, str]:
     """Compliance and modes of the target for the page, None if it has neither; and why the page cannot carry them.
 
-    lacking: that of vibrations which the scene does not give; None where the page has not all of those it gives.
+    scales: of :func:`scales_of`. lacking: that of vibrations which the scene does not give; None where the page has not
+    all of those it gives.
     """
     target, vibrates = choice.scene.target, choice.problem.vibrates
     if not vibrates and not (choice.decided[1] and choice.support.compliance > 0.0):
         return None, ""
-    found: dict[str, Any] = {"compliance": target.compliance or 0.0, "modes": None}
+    found: dict[str, Any] = {"compliance": target.compliance or 0.0, "modes": None, "scales": scales_of(target)}
     if not vibrates:
         return found, ""
     asked = choice.scene.solver.accuracy or DEFAULT_ACCURACY

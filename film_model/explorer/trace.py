@@ -53,7 +53,7 @@ class Symbol(np.ndarray):
             return 0.5  # neither none nor all: the condition may hold or not
         return NotImplemented
 
-    def __pow__(self, other: Any, modulo: None = None) -> Any:  # the array's own would replace x**0.5 by a root
+    def __pow__(self, other: Any, modulo: None = None) -> Any:  # NumPy's power would replace x**0.5 by a square root
         return self.recording.add("Math.pow({}, {})", (self, other))
 
     def __rpow__(self, other: Any, modulo: None = None) -> Any:

@@ -19,7 +19,7 @@ JKR_LOSS = (
 )
 """Energy that a JKR contact loses between δ = 0 and the end of contact, over (w⁵R⁴/E²)^{1/3}: 7.0922."""
 
-PARTING = -(3.0 ** (2.0 / 3.0))  # δ/δ_s where a contact of given indentation lets go
+PARTING = -(3.0 ** (2.0 / 3.0))  # δ/δ_s at which a contact of given indentation ends
 UNLOADED = 2.0 ** (4.0 / 3.0)  # ... without a force
 DEEPEST = UNLOADED * 2.0**20
 

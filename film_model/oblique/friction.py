@@ -26,6 +26,7 @@ from film_model.problem.curve import Curve
 from film_model.problem.problem import Problem
 from film_model.problem.stresses import contact_radius
 from film_model.scene import Scene
+from film_model.scene.friction_table import FrictionTable
 from film_model.scene.rolling import Sliding, sliding_of
 
 STICKS, SLIDES, THROUGHOUT = REGIMES
@@ -34,7 +35,7 @@ SOURCE = "Mindlin 1949; Jäger 1994"
 """Of the theory of friction."""
 
 SLIDING = 1e-6
-"""The impulse of friction is that of sliding throughout if it lacks less than this share of µ times the normal one."""
+"""A contact slides throughout if the impulse of friction lacks less than this share of that at the limit."""
 
 CLOSED = 1e-6
 """Error of the stuck path's beginning, retraced, above which an exact solution has missed an event."""
@@ -57,7 +58,7 @@ def oblique_of(
     refuse(problem)
     if rebound is None:
         raise SimulationError("friction needs a contact that ends")
-    if given.friction == 0.0:
+    if given.table is None and given.friction == 0.0:
         return _without_friction(scene, given, problem, rebound)
     force = exact_force(problem)
     found = None if force is None else _exactly(scene, given, problem, force, rebound)
@@ -73,8 +74,10 @@ def refuse(problem: Problem) -> None:
 
 
 def exact_force(problem: Problem) -> Power | None:
-    """The force of a problem whose friction is exact: of `convex_power`, on a target without vibrations and springs."""
-    return None if problem.vibrates or problem.curve.native.compliance > 0.0 else convex_power(problem.curve)
+    """The force of a problem whose friction is exact: of `convex_power`, with one coefficient, on a target without
+    vibrations and springs."""
+    table = isinstance(problem.impacts.scene.contact.friction, FrictionTable)
+    return None if table or problem.vibrates or problem.curve.native.compliance > 0.0 else convex_power(problem.curve)
 
 
 def convex_power(curve: Curve) -> Power | None:
@@ -143,17 +146,15 @@ def _by_springs(
     radii = [radius_in_loading(problem, depth, force)]
     if not problem.curve.reversible:
         radii = [*radii_of(force, depth, radii[0], cast("float", scene.effective_modulus))]
-    runs = [
-        springs.tangential(springs.Grip(times, force, own), given.modulus, given.friction, given.mass, given.velocity)
-        for own in radii
-    ]
+    runs = [springs.tangential(given, times, force, own) for own in radii]
     first = runs[0]
     moved = np.concatenate([[0.0], np.cumsum(0.5 * (first.velocity[1:] + first.velocity[:-1]) * np.diff(times))])
     columns = (times, first.velocity, first.force, moved, np.full(times.size, np.nan))
     motion = dict(zip(MOTION, columns, strict=True))
-    normal = float(np.trapezoid(force, times))
-    regime = REGIMES[regime_of(scene, given, float(first.velocity[-1]), normal)]
-    ends = [float(run.velocity[-1]) for run in runs]
+    regime = REGIMES[regime_of(scene, given, first.slack)]
+    ends = [run.after for run in runs]
+    if given.table is not None and regime == THROUGHOUT:
+        ends = [given.table.slid(given.velocity, normal_impulse(scene, problem, rebound, duration) / given.mass)]
     events = ((0.0, "sticks" if regime == STICKS else "slides"),)
     error = first.estimated / abs(given.velocity)
     most = int(np.argmax(np.abs(first.force)))
@@ -164,11 +165,16 @@ def _by_springs(
     return replace(found, low=min(ends), high=max(ends))
 
 
-def regime_of(scene: Scene, given: Sliding, after: Number, impulse: Number) -> Any:
-    """Place in `REGIMES` of impacts by springs. after: sliding velocity, m/s. impulse: of the normal force, N·s."""
-    slides = given.mass * abs(given.velocity - after) >= (1.0 - SLIDING) * given.friction * impulse
+def regime_of(scene: Scene, given: Sliding, slack: Number) -> Any:
+    """Place in `REGIMES` of impacts by springs. slack: of the friction force to its limit, as in the core."""
     sticks = abs(given.velocity) < given.friction * given.ratio * scene.approach_velocity
-    return either(slides, 2, either(sticks, 0, 1))
+    return either(slack <= SLIDING, 2, either(sticks, 0, 1))
+
+
+def normal_impulse(scene: Scene, problem: Problem, rebound: Number, duration: Number) -> Number:
+    """∫F dt by the balance of the impactor's momentum, N·s. rebound, duration: as in :func:`oblique_of`."""
+    load = problem.load * problem.scales.force
+    return scene.mass * (scene.impactor.speed - rebound) + load * duration
 
 
 def radius_in_loading(problem: Problem, depth: Array, force: Array) -> Array:

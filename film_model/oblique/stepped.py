@@ -5,10 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from film_model.base.errors import SimulationError
-from film_model.core import native, springs
+import numpy as np
+
+from film_model.base.arrays import Array
 from film_model.core import sliding as core
+from film_model.core import springs
 from film_model.oblique.friction import refuse
+from film_model.oblique.result import KINDS
 from film_model.problem.problem import Problem
 from film_model.scene.rolling import sliding_of
 
@@ -16,7 +19,7 @@ from film_model.scene.rolling import sliding_of
 class SlidingOutputs(NamedTuple):
     """Motion along the surface at one time, SI. sliding_velocity: of the contacting point relative to the support.
     tangential_velocity: of the centre. friction_force: against sliding. tangential_impulse: of the friction force.
-    friction_work: dissipated."""
+    friction_work: dissipated. phase: "sticks", "slips" at the rim, "slides", or "free" without contact."""
 
     sliding_velocity: float
     tangential_velocity: float
@@ -24,6 +27,7 @@ class SlidingOutputs(NamedTuple):
     friction_force: float
     tangential_impulse: float
     friction_work: float
+    phase: str
 
 
 class Pushes(NamedTuple):
@@ -48,21 +52,18 @@ class SteppedFriction:
     """The motion along the surface beside a normal motion in steps.
 
     Raises SimulationError for a scene whose friction is not known in steps: without moduli of both bodies, under a law
-    that pulls, on targets that vibrate, of viscoelastic bodies.
+    that pulls, of viscoelastic bodies. table: of the coefficient, empty if it is constant. core: its state in the core.
     """
 
     def __init__(self, problem: Problem) -> None:
         scene = problem.scene
         refuse(problem)
-        if problem.vibrates:
-            raise SimulationError(
-                "friction is not supported in steps on a target that vibrates: switch target_motion off in [effects]"
-            )
         given = sliding_of(scene, at_rest=True)
         assert given is not None
         self._given, self._ball, scales = given, given.impactor, problem.scales
         self._along, self._spin = float(given.along), float(given.impactor.spin)
         self._velocity = float(given.ratio) * scales.velocity
+        self.table: Array = np.empty((0, 2)) if given.table is None else given.pairs / (self._velocity, 1.0)
         self._force, self._time = scales.force, scales.time
         self._mass = 1.0 / float(given.parameter * scene.effective_mass)
         self.begin()
@@ -70,28 +71,32 @@ class SteppedFriction:
     def begin(self) -> None:
         """Return to the start."""
         sliding = float(self._given.velocity) / self._velocity
-        self._core = core.begin(float(self._given.friction), self._mass, sliding)
+        self.core = core.begin(float(self._given.friction), self._mass, sliding)
         self._pushes, self._gained = Pushes(), (0.0, 0.0)
 
     def push(self, pushes: Pushes) -> None:
         """What acts from now on."""
         ball = self._ball
-        self._core.springs.v -= (pushes.support - self._pushes.support) / self._velocity
+        self.core.springs.v -= (pushes.support - self._pushes.support) / self._velocity
         rate = pushes.force / float(ball.mass) + pushes.torque * float(ball.lever) / float(ball.inertia)
-        self._core.springs.push = rate * self._time / self._velocity
+        self.core.springs.push = rate * self._time / self._velocity
         self._pushes = pushes
 
-    def follow(self, curve: native.Curve, mesh: native.Mesh, begin: native.State, dt: float) -> int:
-        """Advance by dt, in units of the march, beside a normal motion that leads on from `begin`; the core's
-        status."""
+    def begun(self, time: float) -> list[tuple[float, str]]:
+        """Times, s, and names of the phases that began in the last step. time: at its begin, s."""
+        count = self.core.events
+        times, kinds = self.core.begins[:count], self.core.kinds[:count]
+        return [(time + begin * self._time, KINDS[kind]) for begin, kind in zip(times, kinds, strict=True)]
+
+    def gain(self, dt: float) -> None:
+        """A time, s, in which what acts has acted."""
         force, torque, _ = self._pushes
-        self._gained = (self._gained[0] + force * dt * self._time, self._gained[1] + torque * dt * self._time)
-        return core.slide(curve, mesh, begin, dt, self._core)
+        self._gained = (self._gained[0] + force * dt, self._gained[1] + torque * dt)
 
     @property
     def outputs(self) -> SlidingOutputs:
         """Motion now."""
-        ball, now = self._ball, self._core
+        ball, now = self._ball, self.core
         impulse = now.impulse * self._force * self._time
         pushed, turned = self._gained
         work = (now.work - springs.energy(now.springs)) * self._force * self._velocity * self._time
@@ -102,13 +107,14 @@ class SteppedFriction:
             now.springs.q * self._force,
             impulse,
             work,
+            "free" if now.phase < 0 else KINDS[now.phase],
         )
 
     def save(self) -> SavedSliding:
         """A copy of the state."""
-        return SavedSliding(bytes(self._core), self._pushes, self._gained)
+        return SavedSliding(bytes(self.core), self._pushes, self._gained)
 
     def restore(self, saved: SavedSliding) -> None:
         """Return to a saved state."""
-        self._core = core.Sliding.from_buffer_copy(saved.core)
+        self.core = core.Sliding.from_buffer_copy(saved.core)
         self._pushes, self._gained = saved.pushes, saved.gained

@@ -17,6 +17,7 @@ import numpy as np
 
 from film_model.base.units import format_si
 from film_model.plot.style import COLOURS, HIGHLIGHT, NO_CONTACT, UNLOADING, picture, plain, prefixed_unit
+from film_model.scene.friction_table import FrictionTable
 from film_model.solve.history import MOTION, SUMMARY, Event, History, Samples
 
 if TYPE_CHECKING:
@@ -217,7 +218,10 @@ def friction_over_time(history: History) -> tuple[Any, Any, Any] | None:
     if history.oblique is None:
         return None
     t, force = (history.oblique.motion[name] for name in ("time", "friction_force"))
-    return t, force, (history.scene.contact.friction or 0.0) * history.sample_si(t).contact_force
+    mu = history.scene.contact.friction or 0.0
+    if isinstance(mu, FrictionTable):
+        mu = mu.at(abs(history.oblique.motion["sliding_velocity"]))
+    return t, force, mu * history.sample_si(t).contact_force
 
 
 NARROWEST = 20.0
@@ -325,7 +329,7 @@ def _key(figure: Figure, trace: Trace, names: list[str]) -> None:
     ]
     for name in names if len(names) > 1 else []:
         keys.append(Line2D([], [], ls=LINES[name], color="0.2", label=name.replace("_", " ")))
-    place: dict[str, Any] = {"loc": "lower left", "bbox_to_anchor": (LEFT - 0.012, 0.0), "ncols": min(len(keys), 5)}
+    place: dict[str, Any] = {"loc": "upper left", "bbox_to_anchor": (LEFT - 0.012, 0.078), "ncols": min(len(keys), 5)}
     figure.legend(handles=keys, **place, frameon=False, fontsize=8)
 
 

@@ -35,7 +35,7 @@ def _draw(figure: Figure, scene: Scene, areas: Regimes) -> None:
     keys += panel.get_legend_handles_labels()[0]
     panel.set(xscale="log", yscale="log", xlim=areas.lambdas[[0, -1]], ylim=areas.ratios[[0, -1]])
     panel.set(xlabel="Zener's inelasticity number λ", ylabel=f"approach velocity over yield velocity {_RATIO}")
-    figure.legend(handles=keys, loc="lower left", bbox_to_anchor=(0.085, 0.005), ncols=2, frameon=False, fontsize=8)
+    figure.legend(handles=keys, loc="upper left", bbox_to_anchor=(0.085, 0.16), ncols=2, frameon=False, fontsize=8)
     title = " ".join(scene.title.split()) or f"Impact on a {scene.target.kind}"
     figure.text(0.095, 0.945, plain(title), fontsize=min(12.0, 760.0 / len(title)), fontweight="bold")
     figure.text(0.095, 0.905, f"{where}  ·  boundaries by Big-Alabo's law", fontsize=8, color="0.25")

@@ -53,6 +53,8 @@ def paths(history: History) -> tuple[Path, Path]:
     Raises ValueError if contact did not end, or for an impact at an angle or with spin whose friction is not given.
     """
     ball, rebound = history.scene.impactor, history.summary["rebound_velocity"]
+    if not history.scene.is_round:
+        raise ValueError("a strobe picture shows a ball, and this contact is not one")
     if rebound is None:
         raise ValueError("a strobe picture shows the rebound, but contact does not end")
     before = Path(ball.tangential_speed, -ball.speed, ball.spin or 0.0)

@@ -21,6 +21,9 @@ ELASTIC, YIELDING, DAMPED = "hertz", "elastoplastic", "tsuji"
 """What law "auto" means below and above yield, and where the losses of the materials matter more than yield;
 docs/validation.md compares the laws with measurements."""
 
+POWER = "meyer"
+"""What law "auto" means for a cone and a flat punch."""
+
 ASSUMED_POISSONS_RATIO = 0.3
 """Of a body that yields under law "auto" if the scene gives none."""
 
@@ -173,6 +176,8 @@ def law_values(scene: Scene, law: type[AbstractLaw]) -> dict[str, Any]:
         filled |= law.over_strength(scene.flow_strength)
     if law.name == DAMPED and scene.contact.law == "auto" and scene.loss_factor is not None:
         filled["restitution"] = loss_restitution(scene.loss_factor)
+    if law.name == POWER and scene.contact.law == "auto" and scene.nose is not None:
+        filled |= {"stiffness": scene.nose.factor * scene.effective_modulus, "exponent": scene.nose.exponent}
     return filled | (dict(scene.contact.parameters) if scene.contact.law == law.name else {})
 
 
@@ -183,12 +188,13 @@ def law_named(scene: Scene, name: str) -> SceneLaw:
 
 
 def reaches_yield(scene: Scene) -> Any:
-    """Whether the impact reaches the yield point, for each impact of a scene with arrays; None if unknown.
+    """Whether the impact reaches the yield point, for each impact of a scene with arrays; None if unknown, or not of a
+    ball.
 
     It does if the impact energy and the work of the weight exceed the elastic work up to that point, 0.4 F_y δ_y.
     """
     strength, modulus = scene.yield_strength, scene.effective_modulus
-    if strength is None or modulus is None:
+    if strength is None or modulus is None or not scene.is_round:
         return None
     indentation, force = yield_point(modulus, scene.effective_radius, strength)
     heavy = scene.effects.gravity is not False and not scene.target.free
@@ -216,6 +222,9 @@ def laws_of(scene: Scene) -> Iterator[tuple[AbstractLaw | type[AbstractLaw], Any
     law, plastic = scene.contact.law, scene.effects.plasticity
     if law != "auto":
         yield law if isinstance(law, AbstractLaw) else LAWS[law], True
+        return
+    if scene.nose is not None:
+        yield LAWS[POWER], True
         return
     if scene.effects.material_damping is True and scene.loss_factor is not None and plastic is not True:
         yield LAWS[DAMPED], True

@@ -126,6 +126,7 @@ def model_interval(problem: Problem, name: str, value: float | None) -> ModelInt
     """
     moves = problem.free or (problem.gamma > 0.0 and problem.scene.target.gives_way) or problem.vibrates
     chosen = problem.scene.contact.law != "auto" or problem.scene.effects.rate_hardening is False
+    chosen = chosen or not problem.scene.is_round
     if value is None or not value > 0.0 or chosen or moves:
         return None
     if problem.relaxation is not None or problem.curve.pulls:

@@ -45,10 +45,10 @@ class Numbers(NamedTuple):
 
 
 def zener(scene: Scene, impedance: Number) -> Number:
-    """λ = K^{2/5} m^{3/5} V^{1/5}/Z (Zener 1941), for the elastic contact; nan if the effective modulus is unknown.
+    """λ = K^{2/5} m^{3/5} V^{1/5}/Z (Zener 1941), for Hertz's contact; nan for others, and without the modulus.
 
     impedance: Z, N s/m; a number, or an array if the scene has arrays.
     """
-    modulus = math.nan if scene.effective_modulus is None else scene.effective_modulus
+    modulus = math.nan if scene.effective_modulus is None or scene.nose is not None else scene.effective_modulus
     stiffness = hertz_stiffness(modulus, scene.effective_radius)
     return stiffness**0.4 * scene.effective_mass**0.6 * scene.approach_velocity**0.2 / impedance

@@ -15,6 +15,7 @@ from film_model.base.arrays import Number, any_of, either, greater, lesser, rati
 from film_model.laws.elastoplastic import Plastic, scaled_strain
 from film_model.laws.hertz import hertz_stiffness
 from film_model.problem.problem import Impacts, Problem
+from film_model.scene.noses import elastic_radius
 
 HERTZIAN = 1e-3
 """Relative difference of a force from Hertz's at the same indentation, up to which the contact is elastic."""
@@ -40,19 +41,21 @@ def plastic_contact(impacts: Impacts) -> Plastic | None:
 def contact_radius(impacts: Impacts, force: Number, indentation: Number) -> tuple[Number, Any]:
     """Contact radius at the largest force [N] and indentation [m], m (nan if unknown); and whether contact is Hertz's.
 
-    √(R δ) while the force is Hertz's; beyond, at most R: the law's own if it has one (`AbstractLaw.widening`), or
-    that of the finite elements (`plastic_contact`).
+    :func:`elastic_radius`, √(R δ) of a ball, while the force is Hertz's; beyond, at most R: the law's own if it has
+    one (`AbstractLaw.widening`), or that of the finite elements (`plastic_contact`).
     """
     scene = impacts.scene
     modulus, radius = scene.effective_modulus, scene.effective_radius
     if modulus is None:
         return force * math.nan, force != force
+    if scene.nose is not None:
+        return elastic_radius(scene, indentation), force != force
     hertz = hertz_stiffness(modulus, radius) * indentation * root(indentation)
     off = ratio(abs(force - hertz), hertz)
     elastic = off <= HERTZIAN
     square = radius * indentation
-    if not any_of(off > HERTZIAN):
-        return root(square), elastic
+    if not any_of(off > HERTZIAN) or scene.oval is not None:
+        return elastic_radius(scene, indentation), elastic
     own, plastic, widened = impacts.law.value("widening"), plastic_contact(impacts), math.nan
     if plastic is not None:
         w = greater(indentation / (plastic.first_radius**2.0 * radius), 1.0)
@@ -73,14 +76,14 @@ def stresses_of(problem: Problem, summary: dict[str, Any]) -> dict[str, Any]:
     if problem.relaxation is None:
         radius, elastic = contact_radius(problem.impacts, force, depth)
     else:  # on the way in, the contact is as wide as Hertz's at that indentation
-        radius, elastic = root(scene.effective_radius * depth), force != force
+        radius, elastic = elastic_radius(scene, depth), force != force
     radius = radius * math.nan if problem.curve.pulls else radius
     damped = problem.damps or problem.relaxation is not None
     left = summary["permanent_indentation"]
     dented = left > SHALLOW * depth
     mean = force * math.nan if damped else force / (math.pi * radius * radius)
     peak = either(elastic, 1.5 * mean, math.nan)
-    poisson = scene.stressed_poissons_ratio
+    poisson = scene.stressed_poissons_ratio if scene.oval is None else None
     shear, below = (math.nan, math.nan) if poisson is None else shear_below(poisson)
     deep = force * math.nan if damped else below * radius  # a damped force may be Hertz's by chance
     return {

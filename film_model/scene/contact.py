@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial
 from typing import Any, ClassVar, Literal, cast
@@ -13,6 +13,7 @@ from film_model.base.fields import Field, InUnits, choice, fill, key_text, measu
 from film_model.base.units import Value, array_to_si, needed, power_stiffness_to_si, power_stiffness_unit, to_si
 from film_model.laws import LAWS, AbstractLaw, Parameter
 from film_model.laws.law import wrong_values
+from film_model.scene.friction_table import FRICTION, FrictionTable
 
 UNLOADINGS = ("brake", "retrace")
 """Names of the unloading rules that can replace a law's own: :mod:`film_model.laws.unloading`."""
@@ -42,8 +43,9 @@ class Contact(InUnits):
     yield_strength: of the body that yields, Pa; default from the materials. poissons_ratio: of the body that yields;
     default from the materials. unloading: "brake" (Brake's rule) or "retrace", instead of the law's own unloading.
     work_of_adhesion: J/m², of the laws that pull, and to estimate adhesion under others; default from the materials.
-    friction: coefficient µ of Coulomb's friction, for an impact at an angle or with spin; without it only the normal
-    motion is simulated. roughness: combined rms height of both surfaces, √(σ₁² + σ₂²), m, to estimate what asperities
+    friction: coefficient µ of Coulomb's friction, for an impact at an angle or with spin, or pairs [speed, µ] that give
+    it over the sliding speed, with lines between; without it only the normal motion is simulated. roughness: combined
+    rms height of both surfaces, √(σ₁² + σ₂²), m, to estimate what asperities
     change. fluid_viscosity: of what surrounds the contact, Pa·s, to estimate what its film takes from the rebound; of
     air at 20 °C 1.8e-5. parameters: the law's own, by name, in SI units.
 
@@ -58,7 +60,7 @@ class Contact(InUnits):
         "poissons_ratio": measure("dimensionless", -1, 0.5, open_ends=True),
         "unloading": Field(choice(*UNLOADINGS).read, "the name of an unloading rule is needed"),
         "work_of_adhesion": measure("surface_energy", 0, 1e6),
-        "friction": measure("dimensionless", 0, 100),
+        "friction": FRICTION,
         "roughness": measure("length", 0, 1),
         "fluid_viscosity": measure("viscosity", 1e-9, 1e9),
     }
@@ -69,7 +71,7 @@ class Contact(InUnits):
     poissons_ratio: float | None
     unloading: Literal["brake", "retrace"] | None
     work_of_adhesion: float | None
-    friction: float | None
+    friction: float | FrictionTable | None
     roughness: float | None
     fluid_viscosity: float | None
     parameters: Mapping[str, Any] = field(hash=False)
@@ -83,7 +85,7 @@ class Contact(InUnits):
         poissons_ratio: float | str | None = None,
         unloading: Literal["brake", "retrace"] | None = None,
         work_of_adhesion: Value | None = None,
-        friction: float | str | None = None,
+        friction: float | str | Sequence[Sequence[Any]] | FrictionTable | None = None,
         roughness: Value | None = None,
         fluid_viscosity: Value | None = None,
         **parameters: object,
@@ -121,6 +123,14 @@ class Contact(InUnits):
                 f"{what} the normal motion only, but contact.friction is {self.friction:g}: leave it out, "
                 "or use simulate, a batch or a sweep"
             )
+
+    def one_friction(self, what: str) -> float | None:
+        """The coefficient of friction. Raises SimulationError if it is a table."""
+        if isinstance(self.friction, FrictionTable):
+            raise SimulationError(
+                f"{what} one coefficient of friction, but contact.friction is a table over the sliding speed"
+            )
+        return self.friction
 
     @property
     def from_strength(self) -> list[str]:

@@ -1,17 +1,18 @@
-"""The impactor: a sphere, or a compact body whose contacting surface is spherical."""
+"""The impactor: a sphere, a compact body whose contacting surface is spherical, or a nose of another shape."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import ClassVar, Literal, cast
 
 from film_model.base.arrays import cosine, root, sine
-from film_model.base.errors import raise_all
-from film_model.base.fields import Field, InUnits, fill_ball, measure, mistake, one_of
+from film_model.base.errors import Mistake, raise_all, shown
+from film_model.base.fields import Field, InUnits, choice, fill_ball, measure, mistake, one_of
 from film_model.base.materials import MASS, MATERIAL, Material, MaterialLike, sphere_mass
-from film_model.base.turning import TURNING, contradictions, inertia_number_of
+from film_model.base.turning import SHAPES, TURNING, contradictions, inertia_number_of
 from film_model.base.units import Value
+from film_model.scene.noses import OWN, VOLUMES
 
 STANDARD_GRAVITY = 9.80665  # m/s²
 
@@ -31,8 +32,11 @@ class Sphere(InUnits):
     between the velocity and the normal of the surface, rad; default 0. The normal motion is that of the component
     velocity × cos(angle); with friction in [contact] the tangential motion and the spin are simulated beside it. spin:
     about the axis across the plane of incidence, rad/s, positive if it adds to sliding; default 0. shape: "solid" ball
-    or thin "shell", which turns as a whole. inertia: moment of inertia of another body about its centre of mass, kg·m²;
-    default that of the shape.
+    or thin "shell", which turns as a whole; or a nose on a flat, with an elastic law: "cone", of which the radius is
+    that of its base, "flat punch", "cylinder" on its flat end, "ellipsoid" with a second radius of curvature. inertia:
+    moment of inertia of another body about its centre of mass, kg·m²; default that of the shape. half_angle: of a cone,
+    between axis and side, rad. second_radius: of an ellipsoid, in the other principal plane, m. length: of a cylinder,
+    or an ellipsoid's whole height, m, for its mass; default none, and the mass is needed.
 
     >>> fm.Sphere(diameter="20 mm", drop_height="0.5 m", material="bearing steel").speed  # m/s
     3.1315...
@@ -47,6 +51,10 @@ class Sphere(InUnits):
         "material": MATERIAL,
         "angle": measure("angle", 0, STEEPEST),
         **TURNING,
+        "shape": replace(choice(*SHAPES, *VOLUMES), required=False),
+        "half_angle": measure("angle", 1e-3, STEEPEST),
+        "second_radius": measure("length", 1e-10, 1e3),
+        "length": measure("length", 1e-10, 1e3),
     }
 
     radius: float
@@ -58,6 +66,9 @@ class Sphere(InUnits):
     spin: float | None
     shape: str | None
     inertia: float | None
+    half_angle: float | None
+    second_radius: float | None
+    length: float | None
 
     def __init__(
         self,
@@ -69,14 +80,37 @@ class Sphere(InUnits):
         angle: Value | None = None,
         diameter: Value | None = None,
         spin: Value | None = None,
-        shape: Literal["solid", "shell"] | None = None,
+        shape: Literal["solid", "shell", "cone", "flat punch", "cylinder", "ellipsoid"] | None = None,
         inertia: Value | None = None,
+        half_angle: Value | None = None,
+        second_radius: Value | None = None,
+        length: Value | None = None,
     ) -> None:
         mistakes = fill_ball(self, locals()) + one_of(self, velocity=velocity, drop_height=drop_height)
         if not mistakes and 0.0 < self.speed < SLOWEST:
             name = "drop_height" if velocity is None else "velocity"
             mistakes.append(mistake(self, name, f"{self.speed:g} m/s must be 0 or at least {SLOWEST:g} m/s"))
-        raise_all(mistakes or contradictions(self))
+        raise_all(mistakes or self._mistakes_of_shape() or contradictions(self))
+
+    def _mistakes_of_shape(self) -> list[Mistake]:
+        """Mistakes of entries that another shape has, or that this one needs."""
+        own, nose = OWN.get(self.shape or "", ()), self.shape in VOLUMES
+        found = {
+            name: f"only shape {' or '.join(shown(shape) for shape, names in OWN.items() if name in names)} has it"
+            for names in OWN.values()
+            for name in names
+            if name not in own and getattr(self, name) is not None
+        }
+        found |= {
+            name: f"missing: shape {shown(self.shape)} needs it"
+            for name in own
+            if name != "length" and getattr(self, name) is None
+        }
+        turned = {"angle": self.angle, "spin": self.spin, "inertia": self.inertia}
+        found |= {
+            name: f"only a ball has it, not shape {shown(self.shape)}" for name in turned if nose and turned[name]
+        }
+        return [mistake(self, name, why) for name, why in found.items()]
 
     @property
     def path_speed(self) -> float:
@@ -107,5 +141,24 @@ class Sphere(InUnits):
 
     @property
     def own_mass(self) -> float | None:
-        """The given mass, or density × sphere volume, kg; None if neither is known."""
-        return sphere_mass(self.mass, self.radius, self.material)
+        """The given mass, or density × volume, kg; None if neither is known."""
+        shape = self.shape or "solid"
+        if self.mass is not None or shape not in VOLUMES:
+            return sphere_mass(self.mass, self.radius, self.material)
+        volume, whole = VOLUMES[shape], "length" not in OWN.get(shape, ()) or self.length is not None
+        return self.material.density * volume(self) if volume and whole and self.material else None
+
+    @property
+    def noun(self) -> str:
+        """The shape in words."""
+        return "ball" if self.shape is None or self.shape in SHAPES else self.shape
+
+    @property
+    def mass_needed(self) -> str:
+        """What to give where the mass is missing."""
+        shape = self.shape or "solid"
+        if shape not in VOLUMES:
+            return "give mass, or a material (the mass is then density × sphere volume)"
+        if VOLUMES[shape] is None:
+            return f"give mass: the volume of shape {shown(shape)} is unknown"
+        return f"give mass, or a material{' and length' if 'length' in OWN[shape] else ''} (density × volume)"

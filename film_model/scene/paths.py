@@ -25,7 +25,8 @@ def field_at(scene: Scene, path: str) -> Field | None:
     *sections, name = path.split(".")
     head = sections[0] if sections else name
     if head not in SECTIONS:
-        raise ValueError("unknown key" + did_you_mean(path, _paths(scene)))
+        hint = did_you_mean(path, _paths(scene)) or "; give section and key, such as contact.yield_strength"
+        raise ValueError(f"unknown key{hint}")
     if not sections:
         return None
     owner = _section_at(scene, path, sections)

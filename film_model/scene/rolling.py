@@ -7,11 +7,14 @@ from __future__ import annotations
 
 from typing import NamedTuple, cast
 
+import numpy as np
+
 from film_model import targets
-from film_model.base.arrays import Number, all_of, endless
+from film_model.base.arrays import Array, Number, all_of, endless
 from film_model.base.errors import SimulationError
 from film_model.base.materials import Material
 from film_model.scene import Scene, Sphere
+from film_model.scene.friction_table import FrictionTable
 
 MATERIALS = (
     "friction needs Young's modulus and Poisson's ratio of both bodies: give impactor.material and target.material, "
@@ -41,7 +44,8 @@ class Body(NamedTuple):
 
 
 class Sliding(NamedTuple):
-    """What friction depends on besides the normal motion. ratio: κ = E*/(4 G*). modulus: G*, Pa. mass: m_t, kg.
+    """What friction depends on besides the normal motion. friction: µ at the sliding velocity before; table: of µ, if
+    it is not constant. ratio: κ = E*/(4 G*). modulus: G*, Pa. mass: m_t, kg.
     target: the target's body; None of one that is immovable in its plane. velocity: of sliding before, m/s. along:
     tangential velocity of the impactor's centre before, m/s."""
 
@@ -53,11 +57,17 @@ class Sliding(NamedTuple):
     target: Body | None
     velocity: Number
     along: Number
+    table: FrictionTable | None
 
     @property
     def parameter(self) -> Number:
         """m/m_t over κ, for m = 1 kg."""
         return 1.0 / (self.mass * self.ratio)
+
+    @property
+    def pairs(self) -> Array:
+        """Pairs of speed, m/s, and coefficient, for the core."""
+        return np.array([[0.0, self.friction]]) if self.table is None else self.table.pairs
 
 
 def sliding_of(scene: Scene, at_rest: bool = False) -> Sliding | None:
@@ -65,15 +75,20 @@ def sliding_of(scene: Scene, at_rest: bool = False) -> Sliding | None:
 
     Raises SimulationError if the stiffness along the surface is not known.
     """
-    friction, velocity = scene.contact.friction, sliding_before(scene)
-    if friction is None or (not at_rest and all_of(velocity == 0.0)):
+    friction = scene.contact.friction
+    if friction is None:
+        return None
+    velocity = sliding_before(scene)
+    if not at_rest and all_of(velocity == 0.0):
         return None
     ratio = stiffness_ratio(scene)
     if ratio is None or scene.contact.effective_modulus is not None:
         raise SimulationError(MATERIALS)
     modulus = 1.0 / _softness(_materials(scene))
     mass, bodies = 1.0 / tangential_mobility(scene), (_impactor(scene), _target(scene))
-    return Sliding(friction, ratio, modulus, mass, *bodies, velocity, scene.impactor.tangential_speed)
+    table = friction if isinstance(friction, FrictionTable) else None
+    now = friction if table is None else table.at(abs(velocity))
+    return Sliding(now, ratio, modulus, mass, *bodies, velocity, scene.impactor.tangential_speed, table)
 
 
 def sliding_before(scene: Scene) -> Number:

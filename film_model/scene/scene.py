@@ -22,8 +22,9 @@ from film_model.base.units import format_si
 from film_model.laws import AbstractLaw
 from film_model.scene.contact import Contact, contact_table
 from film_model.scene.impactor import Sphere
+from film_model.scene.noses import Nose, Oval, mistakes_of_shape, nose_of, oval_of, relative_radius
 from film_model.scene.options import DEFAULT_TOLERANCE, Effects, Solver
-from film_model.scene.toml import OTHER_FILES, change_table, placed, read_text, text_from_table, toml_table
+from film_model.scene.toml import change_table, placed, read_text, scene_table, target_from_table, text_from_table
 from film_model.targets import TARGETS, AbstractTarget
 
 NO_FILES = "a scene that is stored with results has its tables inside, and no other file is read"
@@ -60,7 +61,7 @@ class Scene:
 
     def __repr__(self) -> str:
         radius, mass = format_si(self.impactor.radius, "length"), format_si(self.mass, "mass")
-        ball = f"ball of radius {radius}, {mass}, {format_si(self.impactor.speed, 'velocity')}"
+        ball = f"{self.impactor.noun} of radius {radius}, {mass}, {format_si(self.impactor.speed, 'velocity')}"
         target = " ".join(filter(None, (_name(self.target.material), self.target.kind)))
         title = f"{shown(self.title)}: " if self.title else ""
         return f"Scene({title}{ball}, on {target}; law {self.contact.law_name})"
@@ -85,10 +86,7 @@ class Scene:
     @classmethod
     def _from_text(cls, text: str, name: str, folder: str | None) -> Scene:
         """folder: of relative paths; None to refuse paths."""
-        table = toml_table(text, name)
-        other = next((key for key in OTHER_FILES if key in table), None)
-        if other is not None and "impactor" not in table:
-            raise placed([Mistake(None, None, other, OTHER_FILES[other])], text, name)
+        table = scene_table(text, name)
         for key in WITH_FILES:
             section = table.get(key)
             if isinstance(section, dict) and "file" in section:
@@ -163,10 +161,23 @@ class Scene:
 
     @cached_property
     def effective_radius(self) -> float:
-        """1/(1/R + 1/R_t), m; R_t < 0 in a hollow, nan in one that is too narrow."""
-        own, other = self.impactor.radius, self.target.radius
-        total = own + other
-        return own if endless(other) else own * other / either(other * total > 0.0, total, math.nan)
+        """1/(1/R + 1/R_t), m, nan in a too narrow hollow; that of a ball of equal force if contact is elliptic."""
+        return relative_radius(self.impactor.radius, self.target.radius) if self.oval is None else self.oval.radius
+
+    @cached_property
+    def oval(self) -> Oval | None:
+        """The elliptic contact of surfaces with a second radius of curvature; None if they have none."""
+        return oval_of(self.impactor, self.target)
+
+    @cached_property
+    def nose(self) -> Nose | None:
+        """The elastic contact of a cone or a flat end; None of a ball or an ellipsoid."""
+        return nose_of(self.impactor)
+
+    @property
+    def is_round(self) -> bool:
+        """Whether contact is that of a ball, as of all laws but those of a power and of a table."""
+        return self.oval is None and self.nose is None
 
     @cached_property
     def effective_modulus(self) -> float | None:
@@ -312,21 +323,19 @@ class Scene:
 
     def _mistakes(self) -> list[Mistake]:
         """Mistakes that concern several parts of the scene."""
-        found: dict[str, str] = {}
+        found = mistakes_of_shape(self)
         contact, target, name = self.contact, self.target, self.contact.law_name
         if self.impactor.own_mass is None:
-            found["impactor.mass"] = "missing: give mass, or a material (the mass is then density × sphere volume)"
+            found["impactor.mass"] = f"missing: {self.impactor.mass_needed}"
         if target.own_mass is None:
             found["target.mass"] = "missing: give mass, or a material (the mass is then density × sphere volume)"
         if target.free and self.approach_velocity <= 0:
             found["target.velocity"] = f"{target.velocity:g} m/s must be < the impactor's {self.impactor.speed:g} m/s"
-        if -self.impactor.radius <= target.radius < 0.0:
-            radii = [format_si(size, "length") for size in (target.radius, -self.impactor.radius)]
-            found["target.radius"] = f"{radii[0]} is a hollow: it must be < {radii[1]}, the ball's"
         if contact.needs("effective_modulus") and self.effective_modulus is None:
             both = (("impactor", self.impactor), ("target", target))
             missing = " and ".join(f"{part}.material" for part, body in both if body.material is None)
-            found["contact.effective_modulus"] = f"missing: give {missing}, or effective_modulus"
+            rule = ', or unloading = "retrace"' if contact.unloading_name == "brake" else ""
+            found["contact.effective_modulus"] = f"missing: give {missing}, or effective_modulus{rule}"
         if contact.needs("poissons_ratio") and self.poissons_ratio is None:
             found["contact.poissons_ratio"] = f'missing: law "{name}" needs it: give a material, or poissons_ratio'
         if contact.needs("work_of_adhesion") and not self.work_of_adhesion:
@@ -365,7 +374,7 @@ def _parts(table: Mapping[str, Any]) -> tuple[dict[str, Any], list[Mistake]]:
     """The parts of a scene from its sections, and their mistakes."""
     makers: dict[str, Callable[[dict[str, Any]], Any]] = {
         "impactor": lambda section: build(Sphere, section),
-        "target": _target,
+        "target": target_from_table,
         "contact": lambda section: Contact(**section),
         "effects": lambda section: build(Effects, section),
         "solver": lambda section: build(Solver, section),
@@ -386,14 +395,3 @@ def _parts(table: Mapping[str, Any]) -> tuple[dict[str, Any], list[Mistake]]:
             except SceneError as error:
                 mistakes += [found.moved(key) for found in error.mistakes]
     return parts, mistakes
-
-
-def _target(section: dict[str, Any]) -> AbstractTarget:
-    kind = section.pop("kind", None)
-    if isinstance(kind, str) and kind in TARGETS:
-        return build(TARGETS[kind], section)
-    need = ", ".join(f'"{known}"' for known in TARGETS) + " is needed"
-    if kind is None:
-        raise SceneError([Mistake(None, None, "Target.kind", f"missing: {need}")])
-    hint = did_you_mean(kind, TARGETS) if isinstance(kind, str) else ""
-    raise SceneError([Mistake(None, None, "Target.kind", f"{shown(kind)} is not allowed: {need}{hint}")])

@@ -1,4 +1,4 @@
-"""Scene files as text: TOML to nested tables and back, line numbers of keys, and changes by path."""
+"""Scene files as text: TOML to nested tables and back, line numbers of keys, changes by path, and the target."""
 
 from __future__ import annotations
 
@@ -10,9 +10,10 @@ from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from typing import Any, cast
 
-from film_model.base.errors import Mistake, SceneError, shown
-from film_model.base.fields import key_text
+from film_model.base.errors import Mistake, SceneError, did_you_mean, shown
+from film_model.base.fields import build, key_text
 from film_model.base.files import read_bytes
+from film_model.targets import TARGETS, AbstractTarget
 
 LARGEST_FILE = 1_000_000  # bytes; a typical scene file has 1000
 NO_SCENES = {
@@ -200,3 +201,24 @@ def placed(mistakes: Iterable[Mistake], text: str, name: str) -> SceneError:
     lines = lines_of_keys(text)
     found = [replace(m, file=name, line=line_of(lines, m.key)) for m in mistakes]
     return SceneError(sorted(found, key=lambda m: m.line or 0))
+
+
+def target_from_table(section: dict[str, Any]) -> AbstractTarget:
+    """The target of a section [target], whose kind names its class."""
+    kind = section.pop("kind", None)
+    if isinstance(kind, str) and kind in TARGETS:
+        return build(TARGETS[kind], section)
+    need = ", ".join(f'"{known}"' for known in TARGETS) + " is needed"
+    if kind is None:
+        raise SceneError([Mistake(None, None, "Target.kind", f"missing: {need}")])
+    hint = did_you_mean(kind, TARGETS) if isinstance(kind, str) else ""
+    raise SceneError([Mistake(None, None, "Target.kind", f"{shown(kind)} is not allowed: {need}{hint}")])
+
+
+def scene_table(text: str, name: str) -> dict[str, Any]:
+    """As :func:`toml_table`, of a scene. Raises SceneError for another file in its place."""
+    table = toml_table(text, name)
+    other = next((key for key in OTHER_FILES if key in table), None)
+    if other is not None and "impactor" not in table:
+        raise placed([Mistake(None, None, other, OTHER_FILES[other])], text, name)
+    return table

@@ -250,6 +250,22 @@ def simulate_many(scene: Scene, columns: Mapping[str, Array], solver: Solver | N
         from film_model.solve.many_springs import Normal
 
         normal = Normal(status, segments, summary["rebound_velocity"], summary["contact_duration"])
-        oblique = oblique_of_many(scene, columns, problems, normal, solver)
+        oblique, left = oblique_of_many(problems, normal, solver)
+        for row in left.tolist():
+            _one_oblique(oblique, scene, columns, row, solver)
     own = tuple(laws), law, segments, estimated, tuple(problems), tuple(followed)
     return ManyResult(summary, status, *own, oblique)
+
+
+def _one_oblique(found: ManyOblique, scene: Scene, columns: Mapping[str, Array], row: int, solver: Solver) -> None:
+    """The results of one impact, simulated alone."""
+    from film_model.effects.choose import choose
+    from film_model.oblique.result import REGIMES
+    from film_model.scene.columns import scene_of_columns
+    from film_model.solve.simulate import simulate_chosen
+
+    own: dict[str, Any] = {path: float(values[row]) for path, values in columns.items()}
+    oblique = simulate_chosen(choose(scene_of_columns(scene, own)), solver).oblique
+    if oblique is not None:
+        number = REGIMES.index(oblique.sliding_regime)
+        found.known(row, oblique.summary, number, oblique.estimated)

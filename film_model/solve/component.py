@@ -42,11 +42,14 @@ class Outputs(NamedTuple):
 
 
 class StepResult(NamedTuple):
-    """What a step did: the time it reached [s], the outputs there, and the events on the way, at their exact times."""
+    """What a step did: the time it reached [s], the outputs there, and the events on the way, at their exact times.
+    sliding: times, s, and names, as in `History.oblique`, of the phases of friction that began, within 1 % of the
+    duration of a contact; a step does not end there."""
 
     time: float
     outputs: Outputs
     events: tuple[Event, ...]
+    sliding: tuple[tuple[float, str], ...] = ()
 
 
 @dataclass(frozen=True)
@@ -182,7 +185,7 @@ class ImpactComponent:
         return self._motion.tables if isinstance(self._motion, OnModes) else None
 
     def follow(self, vibrations: modal.Tables, rest: float, tolerance: float) -> None:
-        """Start anew with other vibrations of the target, such as those that an FMU contains.
+        """Restart with other vibrations of the target, such as those that an FMU contains.
 
         rest: compliance of those omitted, m/N. tolerance: of the core's steps. Raises SimulationError if the target
         does not vibrate.
@@ -280,13 +283,13 @@ class ImpactComponent:
             change = (support - self._support_velocity) / scales.velocity
             motion.set_input(load, -change, -support / scales.velocity)
             self._load, self._support_velocity = load, support
-        events: list[Event] = []
+        events, begun = list[Event](), list[tuple[float, str]]()
         most = MOST_EVENTS if self._friction is None else MOST_WITH_FRICTION
         motion.renew_work()
         remaining, before = dt / motion.clock, motion.time
         end = before + remaining
         while True:
-            status = self._advance(remaining)
+            status = self._advance(remaining, begun)
             self._support_displacement += support * (motion.time - before) * motion.clock
             before = motion.time
             if status != native.EVENT:
@@ -299,7 +302,7 @@ class ImpactComponent:
             if stop_at_events:
                 break
         outputs = self.outputs
-        return StepResult(outputs.time, outputs, tuple(events))
+        return StepResult(outputs.time, outputs, tuple(events), tuple(begun))
 
     def _push(self, force: Any, torque: Any, support: Any) -> None:
         pushes = Pushes(_si(force, "force"), _si(torque, "torque"), _si(support, "velocity"))
@@ -308,17 +311,16 @@ class ImpactComponent:
         elif any(pushes):
             raise ValueError("tangential_force, torque and tangential_support_velocity need contact.friction")
 
-    def _advance(self, dt: float) -> int:
-        """Forward by dt or to the next event, with friction beside it; the core's status."""
-        motion = self._motion
-        if self._friction is None or not isinstance(motion, OnLines):
+    def _advance(self, dt: float, begun: list[tuple[float, str]]) -> int:
+        """Forward by dt or to the next event, with friction beside it, whose phases are added to `begun`; the core's
+        status."""
+        motion, before, time = self._motion, self._motion.time, self.time
+        if self._friction is None:
             return motion.step(dt)
-        begin = native.State.from_buffer_copy(motion.contact)
-        status = motion.step(dt)
-        if status < 0:
-            return status
-        slid = self._friction.follow(self.problem.curve.native, motion.mesh, begin, motion.time - begin.time)
-        return slid if slid < 0 else status
+        status = motion.slide(dt, self._friction)
+        self._friction.gain((motion.time - before) * motion.clock)
+        begun += self._friction.begun(time)
+        return status
 
     def _where(self) -> str:
         """When the motion failed; between viscoelastic contacts, how much of the surface has not recovered."""

@@ -1,4 +1,4 @@
-"""Derivatives of the summary of one impact by numbers of its scene, with the decisions of the impact held fixed."""
+"""Derivatives of the results of one impact by numbers of its scene, with the decisions of the impact held fixed."""
 
 from __future__ import annotations
 
@@ -16,13 +16,18 @@ from film_model.base.errors import Mistake, raise_all, shown
 from film_model.base.late import Late
 from film_model.effects.choose import Choice
 from film_model.effects.decided import decisions_of
+from film_model.oblique.result import OBLIQUE
 from film_model.problem.summary import SUMMARY
 from film_model.scene import DEFAULT_ACCURACY, Scene, Solver
+from film_model.scene.friction_table import FrictionTable
 from film_model.scene.paths import field_at, refuse_twice, unit_of
 from film_model.solve.chain import slopes
 from film_model.solve.slopes import NO_DERIVATIVE, SMOOTH, STEP, TARGET, Pairs, Slopes
+from film_model.solve.slopes_along import REACH, slopes_along
 from film_model.solve.stepped_slopes import slopes_of_relaxing, slopes_on_modes
 from film_model.solve.vibration import Vibration
+
+ALONG = " along the surface"
 
 POOR = 1e-6
 """Estimated relative error from which a warning names the derivative."""
@@ -31,6 +36,9 @@ NEAR = 0.03
 """Change by neglecting an effect, relative to the tolerance less 1, up to which another decision is near: several times
 the reach of a stencil. Needed by tests/test_derivatives.py."""
 
+
+RESULTS = {**SUMMARY, **OBLIQUE}
+"""What is differentiated, with dimension and meaning; results along the surface of impacts with friction only."""
 
 SHOWN = ("maximum_force", "contact_duration", "coefficient_of_restitution")
 """Summary values whose derivatives `print` shows."""
@@ -50,7 +58,7 @@ class Entry(NamedTuple):
 
     def unit_of(self, quantity: str) -> str:
         """The SI unit of the derivative of a summary value, as UDUNITS writes it if it can."""
-        dimension = SUMMARY[quantity][0]
+        dimension = RESULTS[quantity][0]
         if self.dimension == "meyer_stiffness":
             return f"{units.si_unit(dimension)}/({self.unit})"
         return units.quotient_unit(dimension, self.dimension)
@@ -63,16 +71,18 @@ class Entry(NamedTuple):
 
 @dataclass(frozen=True, repr=False)
 class Derivatives:
-    """∂(summary value)/∂(number of the scene) of one impact, SI.
+    """∂(result)/∂(number of the scene) of one impact, SI.
 
-    entries: by path. values: by summary name, then by path; None where there is no derivative. errors: the same,
-    estimated, relative to the larger of the derivative and the summary value over the number.
+    entries: by path. values: by the names of the summary and, with friction, of `History.oblique`, then by path; None
+    where there is no derivative. errors: the same, estimated, relative to the larger of the derivative and the value
+    over the number.
     """
 
     entries: Mapping[str, Entry]
     values: Mapping[str, Mapping[str, float | None]]
     errors: Mapping[str, Mapping[str, float | None]]
     _slopes: Slopes = field(compare=False)
+    _along: Slopes | None = field(compare=False)
     _choice: Choice = field(compare=False)
 
     if TYPE_CHECKING:
@@ -108,7 +118,10 @@ class Derivatives:
     def warnings(self) -> tuple[str, ...]:
         """Sentences about kinks, one-sided derivatives, large errors, and effects about to be decided otherwise."""
         entries, found = tuple(self.entries.values()), self._slopes
-        return (*_kinks(entries, found), *_poor(entries, found), *_near_thresholds(self._choice))
+        along = (
+            () if self._along is None else (*_kinks_along(entries, self._along), *_poor(entries, self._along, ALONG))
+        )
+        return (*_kinks(entries, found), *_poor(entries, found), *along, *_near_thresholds(self._choice))
 
     def of(self, quantity: str, path: str) -> Any:
         """One derivative as a pint quantity; None if there is none. Raises KeyError for an unknown name.
@@ -120,11 +133,11 @@ class Derivatives:
         value = self.values[quantity][path]
         if value is None:
             return None
-        above = units.quantity(value, SUMMARY[quantity][0])
+        above = units.quantity(value, RESULTS[quantity][0])
         return above / above._REGISTRY.Quantity(1.0, self.entries[path].unit)
 
     def to_dict(self) -> dict[str, Any]:
-        """Plain values for JSON: by summary name and path, the value, its units and its estimated relative error."""
+        """Plain values for JSON: by result and path, the value, its units and its estimated relative error."""
         return {
             name: {
                 path: {
@@ -166,11 +179,15 @@ def _entry(scene: Scene, path: object) -> Entry:
     for section in sections:
         owner = getattr(owner, section)
     value = getattr(owner, "parameters", {}).get(name, getattr(owner, name, None))
+    if isinstance(value, FrictionTable):
+        raise ValueError("is a table: there is no derivative by it")
     if value is None or not math.isfinite(value):
         raise ValueError("is not given in the scene: give it there first")
     if name == "yield_strength" and getattr(owner, "hardness", None) is not None:
         raise ValueError("has no effect beside the hardness of the material: differentiate by that, or set it first")
-    of_zero = {"velocity": scene.approach_velocity, "angle": 1.0, "dimensionless": 1.0}.get(number.dimension, 0.0)
+    speed = scene.approach_velocity
+    zeros = {"velocity": speed, "angular_frequency": speed / scene.impactor.radius, "angle": 1.0, "dimensionless": 1.0}
+    of_zero = zeros.get(number.dimension, 0.0)
     if value == 0.0 and not of_zero > 0.0:
         raise ValueError("is 0: a derivative by it needs another value")
     low, high = (math.inf * sign if end is None else end for end, sign in ((number.low, -1), (number.high, 1)))
@@ -178,21 +195,31 @@ def _entry(scene: Scene, path: object) -> Entry:
 
 
 def derivatives_of(
-    choice: Choice, solver: Solver, entries: Sequence[Entry], vibration: Vibration | None
+    choice: Choice, solver: Solver, entries: Sequence[Entry], vibration: Vibration | None, slides: bool
 ) -> Derivatives:
-    """Derivatives of the summary of an impact whose effects are chosen. vibration: the impact on a vibrating target.
+    """Derivatives of the results of an impact whose effects are chosen. vibration: the impact on a vibrating target.
+    slides: along the surface, with friction.
 
     Raises SimulationError for a number with which too many natural vibrations of the target change.
     """
-    found = slopes_of(choice, solver, entries, vibration)
-
+    found, along = slopes_of(choice, solver, entries, vibration), None
+    if slides and vibration is not None:
+        along = Slopes.none(len(entries), len(OBLIQUE))
+    elif slides:
+        (decision,) = decisions_of(choice.problem)
+        along = slopes_along(pairs_of(decision.put_into(choice.scene), {}, entries, 1, None))
+    parts = [(SUMMARY, found)] + ([] if along is None else [(OBLIQUE, along)])
     by_path = {entry.path: entry for entry in entries}
 
-    def table(columns: Array) -> dict[str, dict[str, float | None]]:
-        rows = np.where(np.isnan(columns), np.array(None), columns).T.tolist()
-        return {name: dict(zip(by_path, row, strict=True)) for name, row in zip(SUMMARY, rows, strict=True)}
+    def table(of: str) -> dict[str, dict[str, float | None]]:
+        made = dict[str, dict[str, float | None]]()
+        for names, part in parts:
+            columns = getattr(part, of)
+            rows = np.where(np.isnan(columns), np.array(None), columns).T.tolist()
+            made |= {name: dict(zip(by_path, row, strict=True)) for name, row in zip(names, rows, strict=True)}
+        return made
 
-    return Derivatives(by_path, table(found.values), table(found.errors), found, choice)
+    return Derivatives(by_path, table("values"), table("errors"), found, along, choice)
 
 
 def slopes_of(choice: Choice, solver: Solver, entries: Sequence[Entry], vibration: Vibration | None) -> Slopes:
@@ -244,11 +271,22 @@ def _kinks(entries: Sequence[Entry], found: Slopes) -> Iterable[str]:
             yield f"derivatives by {entry.path} are for {'smaller' if side < 0 else 'larger'} values: {why} {within}"
 
 
-def _poor(entries: Sequence[Entry], found: Slopes) -> Iterable[str]:
+def _kinks_along(entries: Sequence[Entry], found: Slopes) -> Iterable[str]:
+    """The same of results along the surface."""
+    for entry, side in zip(entries, found.side.tolist(), strict=True):
+        if side == NO_DERIVATIVE:
+            why = f"within {REACH:g} % of {entry.text} the contact slides otherwise, or the target vibrates"
+            yield f"no derivatives{ALONG} by {entry.path}: {why}"
+        elif side != SMOOTH:
+            which = "smaller" if side < 0 else "larger"
+            yield f"derivatives{ALONG} by {entry.path} are for {which} values: beside them the contact slides otherwise"
+
+
+def _poor(entries: Sequence[Entry], found: Slopes, which: str = "") -> Iterable[str]:
     for k, entry in enumerate(entries):
         worst = max(found.errors[k].tolist(), key=lambda error: error if error > POOR else 0.0)
         if worst > POOR:
-            yield f"derivatives by {entry.path}: estimated relative error up to {worst:.1e}"
+            yield f"derivatives{which} by {entry.path}: estimated relative error up to {worst:.1e}"
 
 
 def _near_thresholds(choice: Choice) -> Iterable[str]:

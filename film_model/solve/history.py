@@ -266,19 +266,19 @@ class History:
 
     @cached_property
     def sensor_peaks(self) -> Mapping[str, Mapping[str, float]]:
-        """Largest absolute displacement, velocity and acceleration of each sensor, SI; empty if none is simulated. See
-        `film_model.solve.sensed.Peaks`."""
-        from film_model.solve.sensed import MOTION as SENSED
-        from film_model.solve.sensed import Peaks
+        """Largest absolute displacement, velocity, acceleration and, where wanted, strains and bending stress of each
+        sensor, SI; empty if none is simulated. See `film_model.solve.sensed.Peaks`."""
+        from film_model.solve.sensed import Peaks, quantities_of
 
         sensors, on = self.scene.target.sensors, self.vibration
         if not sensors or on is None:
             return {}
-        peaks = Peaks(self.scene.target.modes(on.highest))
+        peaks = Peaks(self.scene.target, on.highest)
         found = peaks.of(on.segments, float(self.problem.scales.force), self.duration)
-        names = [f"maximum_{name}" for name in SENSED]
+        names = [f"maximum_{name}" for name in quantities_of(self.scene.target)]
         return {
-            s.name: dict(zip(names, values, strict=True)) for s, values in zip(sensors, found.T.tolist(), strict=True)
+            s.name: {name: value for name, value in zip(names, values, strict=True) if value == value}
+            for s, values in zip(sensors, found.T.tolist(), strict=True)
         }
 
     @property

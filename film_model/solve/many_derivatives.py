@@ -13,6 +13,7 @@ from film_model.base.errors import SimulationError
 from film_model.effects.choose import choose
 from film_model.effects.decided import Decision, decisions_of
 from film_model.effects.many import rows_of
+from film_model.oblique.result import OBLIQUE
 from film_model.problem.problem import Problem
 from film_model.problem.summary import SUMMARY
 from film_model.scene import DEFAULT_ACCURACY, Scene, Solver
@@ -20,14 +21,15 @@ from film_model.scene.columns import scene_of_columns
 from film_model.solve.chain import slopes
 from film_model.solve.derivatives import Entry, pairs_of, slopes_of
 from film_model.solve.slopes import NO_DERIVATIVE, Slopes
+from film_model.solve.slopes_along import slopes_along
 from film_model.solve.vibration import vibrate
 
 
 class ManyDerivatives(NamedTuple):
     """Derivatives of many impacts by some numbers: (impacts, numbers).
 
-    values: by the names of `SUMMARY`, SI, nan where there is none. error: largest estimated relative error of each
-    pair. side: as in :class:`Slopes`.
+    values: by the names of `SUMMARY` and, if asked, of `OBLIQUE`, SI, nan where there is none. error, side: of the
+    summary, the largest estimated relative error of each pair, and as in :class:`Slopes`.
     """
 
     values: dict[str, Array]
@@ -43,16 +45,17 @@ def derivatives_of_many(
     on_modes: Mask,
     solver: Solver,
     target: float,
+    along: bool = False,
 ) -> ManyDerivatives:
     """Derivatives of impacts of a scene, in which columns replace some numbers.
 
     problems: of the impacts, as simulated. on_modes: which impacts were simulated on targets that vibrate; they, and
     those of viscoelastic bodies, are followed one by one. Others, which failed, have no derivatives.
-    target: error to which meshes are refined.
+    target: error to which meshes are refined. along: results along the surface, too, of impacts with friction.
     """
     count = on_modes.size
     shape = count, len(entries)
-    values = {name: np.full(shape, np.nan) for name in SUMMARY}
+    values = {name: np.full(shape, np.nan) for name in (*SUMMARY, *(OBLIQUE if along else ()))}
     error, side = np.full(shape, np.nan), np.full(shape, NO_DERIVATIVE, np.int8)
     given = list(problems)
     strength = _strengths(given, count)
@@ -62,6 +65,8 @@ def derivatives_of_many(
         pairs = pairs_of(decision.put_into(scene), own, entries, rows.size, hard)
         found = slopes(pairs, solver, target)
         for name, column in zip(SUMMARY, found.values.T, strict=True):
+            values[name][rows] = column.reshape(rows.size, -1)
+        for name, column in zip(OBLIQUE, slopes_along(pairs).values.T, strict=True) if along else ():
             values[name][rows] = column.reshape(rows.size, -1)
         side[rows] = found.side.reshape(rows.size, -1)
         error[rows] = np.fmax.reduce(found.errors, axis=1).reshape(rows.size, -1)

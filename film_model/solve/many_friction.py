@@ -12,19 +12,14 @@ from numpy.typing import NDArray
 from film_model.base.arrays import Array, Index, column, either
 from film_model.core import friction as core
 from film_model.core import native
-from film_model.effects.choose import choose
 from film_model.effects.many import rows_of
 from film_model.laws.law import Power
 from film_model.oblique.friction import CLOSED, THROUGHOUT, exact_error, exact_force, numbers_of, refuse, results
 from film_model.oblique.result import OBLIQUE, REGIMES
 from film_model.problem.problem import Problem
-from film_model.scene import DEFAULT_ACCURACY, Scene, Solver
-from film_model.scene.columns import scene_of_columns
+from film_model.scene import DEFAULT_ACCURACY, Solver
 from film_model.scene.rolling import sliding_of
-from film_model.solve.many_springs import Normal, by_springs
-
-COARSE = 10.0 * core.COARSE_ERROR
-"""Accuracy from which coarse steps and the table serve."""
+from film_model.solve.many_springs import COARSE, Normal, by_springs
 
 
 @dataclass(frozen=True)
@@ -55,18 +50,13 @@ class ManyOblique:
         self.regime[rows], self.estimated[rows] = regime, estimated
 
 
-def oblique_of_many(
-    scene: Scene,
-    columns: Mapping[str, Array],
-    problems: Iterable[Problem],
-    normal: Normal,
-    solver: Solver,
-) -> ManyOblique:
-    """The tangential parts of impacts whose normal motions are known.
+def oblique_of_many(problems: Iterable[Problem], normal: Normal, solver: Solver) -> tuple[ManyOblique, Index]:
+    """The tangential parts of impacts whose normal motions are known; the rows of those that are left, such as on
+    targets that vibrate.
 
     Impacts of laws whose friction is exact take one call of the core, which looks up those under Hertz's law on
-    immovable targets if the accuracy allows it; springs follow others, as many as the accuracy needs, and impacts
-    whose target vibrates are simulated one by one. Raises SimulationError as :func:`oblique_of`.
+    immovable targets if the accuracy allows it; springs follow others, as many as the accuracy needs. Raises
+    SimulationError as :func:`oblique_of`.
     """
     found, ended = ManyOblique.none_of(normal.status.size), normal.status == native.EVENT
     left, coarse = ended.copy(), (solver.accuracy or DEFAULT_ACCURACY) >= COARSE
@@ -80,9 +70,7 @@ def oblique_of_many(
         others = np.flatnonzero(left[rows])
         if others.size:
             left[_by_springs(found, problem.part(others), normal.of(rows[others]), solver)] = False
-    for row in left.nonzero()[0].tolist():
-        _one(found, scene, columns, row, solver)
-    return found
+    return found, left.nonzero()[0]
 
 
 def _by_springs(found: ManyOblique, problem: Problem, normal: Normal, solver: Solver) -> Index:
@@ -135,14 +123,3 @@ def _normals(problem: Problem, force: Power, count: int) -> NDArray[Any]:
     normal["slope"], normal["coefficient"], normal["exponent"] = force.slope, force.coefficient, force.exponent
     normal["approach"], normal["gamma"], normal["load"] = problem.approach, problem.gamma, problem.load
     return normal
-
-
-def _one(found: ManyOblique, scene: Scene, columns: Mapping[str, Array], row: int, solver: Solver) -> None:
-    """The results of one impact, simulated alone."""
-    from film_model.solve.simulate import simulate_chosen
-
-    own: dict[str, Any] = {path: float(values[row]) for path, values in columns.items()}
-    oblique = simulate_chosen(choose(scene_of_columns(scene, own)), solver).oblique
-    if oblique is not None:
-        number = REGIMES.index(oblique.sliding_regime)
-        found.known(row, oblique.summary, number, oblique.estimated)

@@ -29,7 +29,7 @@ from film_model.scene import DEFAULT_ACCURACY, Scene, Solver
 from film_model.scene.columns import scene_of_columns
 from film_model.solve import structures, vibration
 from film_model.solve.closed_form import ClosedForm
-from film_model.solve.sensed import Peaks
+from film_model.solve.sensed import Peaks, quantities_of
 from film_model.solve.vibration import Vibration, vibrate
 
 Table = Any  # a structured array of the core
@@ -86,13 +86,14 @@ def closed_forms(followed: Followed) -> Iterator[ClosedForm | None]:
 
 
 def sensor_peaks(followed: Followed) -> Array:
-    """Largest motions of the target's sensors in each impact, which is followed once more, SI: (sensors, 3, impacts);
-    NaN if its record takes more than `modal.MOST_MEMORY`. On each processor some of the impacts."""
+    """Largest motions of the target's sensors in each impact, which is followed once more, SI, as (sensors, quantities,
+    impacts); NaN if its record takes more than `modal.MOST_MEMORY`. On each processor some of the impacts."""
     problem = followed.problem
-    peaks = Peaks(problem.scene.target.modes(followed.highest))
+    target = problem.scene.target
+    peaks = Peaks(target, followed.highest)
     curve = curve_of(problem.law).native
     force = np.broadcast_to(problem.scales.force, followed.rows.shape)
-    lost = np.full((3, len(problem.scene.target.sensors or ())), math.nan)
+    lost = np.full((len(quantities_of(target)), len(target.sensors or ())), math.nan)
 
     def part(places: Index) -> list[Array]:
         tables, found = modal.Tables(*followed.modes), list[Array]()

@@ -12,15 +12,19 @@ from numpy.typing import NDArray
 from film_model.base.arrays import Array, Index, column
 from film_model.core import native
 from film_model.core import springs as core
+from film_model.core.friction import COARSE_ERROR
 from film_model.core.records import Lines, recorded, sample_many
 from film_model.oblique import springs
-from film_model.oblique.friction import radius_in_loading, regime_of, results
+from film_model.oblique.friction import SLIDING, normal_impulse, radius_in_loading, regime_of, results
 from film_model.problem.problem import Problem
 from film_model.problem.scales import motion_of
 from film_model.scene import DEFAULT_ACCURACY, Solver
 from film_model.scene.rolling import sliding_of
 from film_model.solve.accuracy import mesh_of
 from film_model.solve.many_meshes import recorded_segments
+
+COARSE = 10.0 * COARSE_ERROR
+"""Accuracy from which coarse steps, the table of friction and few springs serve."""
 
 AT_ONCE = 64
 """Impacts whose motion is sampled at a time, which a processor's cache holds."""
@@ -42,15 +46,17 @@ class Normal(NamedTuple):
 def by_springs(problem: Problem, normal: Normal, solver: Solver) -> Iterator[tuple[Index, dict[str, Array], Any, Any]]:
     """Places of impacts, their results along the surface, regimes, and estimates (nan if nothing slides).
 
-    Springs are doubled until the estimate meets the accuracy, or `springs.MODELLED` if the law yields. Impacts without
-    a record are left out.
+    Springs are doubled until the estimate meets the accuracy, or `springs.MODELLED` if the law yields; below `COARSE`
+    there are as many as possible from the start, for results that are smooth over the impacts. Impacts without a record
+    are left out.
     """
     accuracy = solver.accuracy or DEFAULT_ACCURACY
+    levels = springs.LEVELS if accuracy >= COARSE else springs.LEVELS[-1:]
     tolerance = accuracy if problem.curve.reversible else max(accuracy, springs.MODELLED)
     for begin in range(0, normal.status.size, AT_ONCE):
         places = np.arange(begin, min(begin + AT_ONCE, normal.status.size))
         part, motion = problem.part(places), normal.of(places)
-        found = _followed(_Motions(part, motion.segments, motion.duration, solver), motion.rebound, tolerance)
+        found = _followed(_Motions(part, motion.segments, motion.duration, solver), motion.rebound, tolerance, levels)
         known, summary, regime, estimated = found
         yield places[known], {name: value[known] for name, value in summary.items()}, regime[known], estimated[known]
 
@@ -96,29 +102,34 @@ def _curves(problem: Problem) -> Iterator[tuple[Index, native.Curve]]:
 
 
 def _followed(
-    motions: _Motions, rebound: Array, tolerance: float
+    motions: _Motions, rebound: Array, tolerance: float, levels: tuple[int, ...]
 ) -> tuple[NDArray[np.bool_], dict[str, Array], Any, Array]:
     """Which impacts have a record, their results, regimes and estimates."""
     problem, count = motions.problem, rebound.size
     scene = problem.impacts.scene
     given = sliding_of(scene, at_rest=True)
     assert given is not None
-    names = ("modulus", "friction", "mass", "velocity")
+    names, alike = ("modulus", "mass", "velocity"), given.table is not None
     numbers = np.array([column(getattr(given, name), count) for name in names]).T
-    after, peak, when, apart, impulse = np.full((5, count), np.nan)
+    pairs = given.pairs if alike else np.stack([np.zeros(count), column(given.friction, count)], axis=1)[:, None]
+    after, peak, when, apart, slack = np.full((5, count), np.nan)
     left = np.arange(count)
-    for level in springs.LEVELS:
+    for level in levels:
         times, force, radius = motions.at(left, 8 * level)
         for row, t, f, r in zip(left.tolist(), times, force, radius, strict=True):
             step = float(t[1])
-            run = core.impact(level, numbers[row].tolist(), step, f, r)
+            run, *_ = core.impact(level, numbers[row].tolist(), pairs if alike else pairs[row], step, f, r)
             if run is not None:
                 after[row], peak[row], apart[row] = run.velocity, run.force, springs.SAFETY * run.apart
-                when[row], impulse[row] = t[run.step], np.trapezoid(f, dx=step)
-        left = left[apart[left] > tolerance * abs(numbers[left, 3])]
+                when[row], slack[row] = t[run.step], run.slack
+        left = left[apart[left] > tolerance * abs(numbers[left, 2])]
         if left.size == 0:
             break
+    if given.table is not None:
+        impulse = column(normal_impulse(scene, problem, rebound, motions.durations), count) / numbers[:, 1]
+        for row in np.flatnonzero(slack <= SLIDING).tolist():
+            after[row] = given.table.slid(float(numbers[row, 2]), float(impulse[row]))
     found = results(scene, given, rebound, after, (peak, when))
     summary = {name: column(value, count) for name, value in found.items()}
     with np.errstate(divide="ignore", invalid="ignore"):
-        return after == after, summary, regime_of(scene, given, after, impulse), apart / abs(numbers[:, 3])
+        return after == after, summary, regime_of(scene, given, slack), apart / abs(numbers[:, 2])

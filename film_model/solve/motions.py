@@ -9,6 +9,8 @@ from dataclasses import replace
 from typing import Generic, TypeAlias, TypeVar
 
 from film_model.core import modal, native, relaxing
+from film_model.core import sliding as core
+from film_model.oblique.stepped import SteppedFriction
 from film_model.problem.problem import Problem
 from film_model.solve.vibration import Vibration, vibrate
 
@@ -40,6 +42,15 @@ class OnLines:
     def step(self, dt: float) -> int:
         """Forward by dt or to the next event; the core's status."""
         return native.step(self._curve, self.mesh, self._state, dt)
+
+    def slide(self, dt: float, friction: SteppedFriction) -> int:
+        """As :meth:`step`, with the motion along the surface."""
+        begin = native.State.from_buffer_copy(self._state)
+        status = self.step(dt)
+        if status < 0:
+            return status
+        slid = core.slide(self._curve, self.mesh, begin, self.time - begin.time, friction.table, friction.core)
+        return slid if slid < 0 else status
 
     def renew_work(self) -> None:
         """Begin a step of the caller's, whose work is limited."""
@@ -96,6 +107,11 @@ class _InOneMotion(ABC, Generic[Motion]):
     def step(self, dt: float) -> int:
         """Forward by dt or to the next event; the core's status."""
         return self._motion.step(dt)
+
+    def slide(self, dt: float, friction: SteppedFriction) -> int:
+        """As :meth:`step`, with the motion along the surface; not of viscoelastic bodies."""
+        assert isinstance(self._motion, modal.Motion)
+        return core.slide_on_modes(self._motion, dt, friction.table, friction.core)
 
     def set_input(self, load: float, nu_change: float, stop_velocity: float) -> int:
         """Change load, velocity (by a step of the support) and stop velocity; the core's status."""

@@ -9,7 +9,7 @@ linear between even times, for which Duhamel's integral is one convolution, what
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -49,16 +49,35 @@ MOTION = {
 }
 """Quantities of a sensor over time, with dimension and meaning."""
 
+STRAIN = {
+    "strain_x": (
+        "dimensionless",
+        "strain along x at the face away from the impactor; on a structure of the gauge",
+    ),
+    "strain_y": ("dimensionless", "strain along y at the same face"),
+    "bending_stress": ("pressure", "largest principal stress: pulls at one face and presses at the other"),
+}
+"""The same of sensors with strain."""
+
+
+def quantities_of(target: AbstractTarget) -> dict[str, tuple[str, str]]:
+    """The quantities that the sensors of a target have: with strains if one has them."""
+    return MOTION | STRAIN if any(sensor.strain for sensor in target.sensors or ()) else MOTION
+
 
 @dataclass(frozen=True)
 class Sensed:
-    """Motion of a target's sensors at given times, SI: arrays of the shape (sensors, times)."""
+    """Motion of a target's sensors at given times, SI: arrays of the shape (sensors, times). Strains are empty if no
+    sensor has them, and NaN where one has none."""
 
     names: tuple[str, ...]
     time: Array
     displacement: Array
     velocity: Array
     acceleration: Array
+    strain_x: Array = field(default_factory=lambda: np.zeros((0, 0)))
+    strain_y: Array = field(default_factory=lambda: np.zeros((0, 0)))
+    bending_stress: Array = field(default_factory=lambda: np.zeros((0, 0)))
 
 
 def sensed(target: AbstractTarget, vibration: ModalMotion | None, force: float, times: Array) -> Sensed:
@@ -71,8 +90,24 @@ def sensed(target: AbstractTarget, vibration: ModalMotion | None, force: float, 
         raise ValueError("the target has no sensors: give them as [[target.sensors]]")
     if vibration is None:
         raise ValueError("sensors need a target whose vibrations are simulated: see the effect boundary_reflections")
-    found = _follow(target.modes(vibration.highest), vibration.segments, force, times)
-    return Sensed(tuple(sensor.name for sensor in target.sensors), times, *found)
+    found = _follow(_with_strain(target.modes(vibration.highest)), vibration.segments, force, times)
+    return Sensed(tuple(sensor.name for sensor in target.sensors), times, *_split(target, found))
+
+
+def _with_strain(modes: Modes) -> Modes:
+    """The modes with the rows of strains among the factors."""
+    return replace(modes, factor=np.vstack([modes.factor, modes.strain])) if modes.strain.size else modes
+
+
+def _split(target: AbstractTarget, found: Array) -> Array:
+    """The quantities of `quantities_of`, (quantities, sensors, times), from the motion of all rows."""
+    sensors = target.sensors or ()
+    moved, chosen = found[:, : len(sensors)], [k for k, sensor in enumerate(sensors) if sensor.strain]
+    if not chosen:
+        return moved
+    strains = np.full(moved.shape, np.nan)
+    strains[:, chosen] = target.strains(found[0, len(sensors) :])
+    return np.concatenate([moved, strains])
 
 
 def _follow(on: Modes, steps: Any, unit: float, times: Array) -> Array:
@@ -151,39 +186,39 @@ def _free(omega: Array, drag: Array, moved: Any, rate: Any, tau: Any) -> tuple[A
 
 
 class Peaks:
-    """The largest motions of a structure's sensors, for any number of impacts on the same modes.
+    """The largest motions of a structure's sensors, for any number of impacts on the modes up to `highest`, rad/s.
 
     They are the largest of evenly spaced times from first touch to the last event, `IN_CONTACT` of them in
     contact or `MOST_TIMES` in all, or up to twice as many. Between them the force is taken as linear; the responses to
     such a force are exact, and are kept.
     """
 
-    def __init__(self, modes: Modes) -> None:
-        self._modes = modes
+    def __init__(self, target: AbstractTarget, highest: float) -> None:
+        self._target, self._modes = target, _with_strain(target.modes(highest))
         self._kept = dict[tuple[float, int], NDArray[np.complex128]]()
 
     def of(self, steps: Any, unit: float, duration: float) -> Array:
-        """Largest absolute displacement, velocity and acceleration of each sensor, SI: (3, sensors). steps: the
-        recorded segments. unit: of their forces, N. duration: of what is looked at, s."""
+        """Largest absolute values of the quantities of each sensor, SI: (quantities, sensors). steps: the recorded
+        segments. unit: of their forces, N. duration: of what is looked at, s."""
         if duration <= 0.0:
-            return np.zeros((3, len(self._modes.factor)))
+            return np.zeros((len(quantities_of(self._target)), len(self._target.sensors or ())))
         touching = float(np.minimum(steps["h"], duration)[steps["flight"] < 0].sum())
         longest = max(touching / IN_CONTACT, duration / MOST_TIMES)
         dt = 2.0 ** math.floor(math.log2(longest))  # impacts of about equal duration share their responses
         count = math.ceil(duration / dt) + 1
         size = 1 << count.bit_length()
         if (key := (dt, size)) not in self._kept:
-            self._kept[key] = np.fft.rfft(_responses(self._modes, dt, size), 2 * size)
+            self._kept[key] = np.fft.rfft(responses(self._modes, dt, size), 2 * size)
         times: Array = dt * np.arange(float(count))
         force = np.where(times <= duration, force_of_steps(steps, unit, times), 0.0)
-        moved = np.fft.irfft(np.fft.rfft(force, 2 * size) * self._kept[key], 2 * size)
+        moved = np.fft.irfft(np.fft.rfft(force, 2 * size) * self._kept[key], 2 * size)[..., :count]
         before, after = moved[..., count - 2], moved[..., count - 1]
         moved[..., count - 1] = before + (duration / dt - (count - 2)) * (after - before)
-        return np.abs(moved[..., :count]).max(axis=-1)
+        return np.abs(_split(self._target, moved)).max(axis=-1)
 
 
 @one_thread
-def _responses(on: Modes, dt: float, count: int) -> Array:
+def responses(on: Modes, dt: float, count: int) -> Array:
     """Displacement, velocity and acceleration of each sensor at the times 0, dt, … by a force that rises evenly from 0
     at −dt to 1 N at time 0 and falls to 0 at dt: (3, sensors, count).
 

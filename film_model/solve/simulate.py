@@ -50,8 +50,9 @@ def simulate(
     A target whose vibrations matter is followed by its natural modes, as many as the accuracy needs. The contact of
     viscoelastic bodies is solved by collocation in time, with steps as short as the accuracy needs.
 
-    derivatives: keys of the scene, such as "impactor.velocity", by which the summary is differentiated, with the other
-    entries of the scene and the decisions about effects held fixed; see `film_model.Derivatives`.
+    derivatives: keys of the scene, such as "impactor.velocity", by which the summary and the results along the surface
+    are differentiated, with the other entries of the scene and the decisions about effects held fixed; see
+    `film_model.Derivatives`.
 
     Every entry of the history's `warnings` is issued as an ImpactWarning too.
 
@@ -98,7 +99,7 @@ def simulate_quietly(
     entries, choice = entries_of(scene, derivatives), choose(scene)
     history = simulate_chosen(choice, solver)
     vibration = cast("Vibration | None", history.vibration)  # simulated here, not read from a file
-    return replace(history, derivatives=derivatives_of(choice, solver, entries, vibration))
+    return replace(history, derivatives=derivatives_of(choice, solver, entries, vibration, history.oblique is not None))
 
 
 def simulate_chosen(choice: Choice, solver: Solver) -> History:

@@ -72,7 +72,8 @@ STENCILS = {
 class Slopes:
     """Derivatives of many pairs of an impact and a number.
 
-    values: the derivatives, SI; a row for each pair, a column for each value of `SUMMARY`; nan where there is none.
+    values: the derivatives, SI; a row for each pair, a column for each value of `SUMMARY`, or of `OBLIQUE` along the
+    surface; nan where there is none.
     errors: their estimated errors, over the larger of the derivative and the value divided by the number. kinks: where
     the value has a kink or jump within the stencil, and so no derivative. Of each pair, side: `SMOOTH`, 1, −1 or
     `NO_DERIVATIVE`; other_end, other_stage: whether impacts of the central stencil end otherwise, or reach other stages
@@ -87,9 +88,9 @@ class Slopes:
     other_stage: Mask
 
     @classmethod
-    def none(cls, count: int) -> Slopes:
+    def none(cls, count: int, results: int = len(SUMMARY)) -> Slopes:
         """Of `count` pairs of which nothing is known yet."""
-        values, errors = np.full((2, len(SUMMARY), count), np.nan).transpose(0, 2, 1)
+        values, errors = np.full((2, results, count), np.nan).transpose(0, 2, 1)
         kinks, (other_end, other_stage) = np.zeros(values.shape, np.bool_), np.zeros((2, count), np.bool_)
         return cls(values, errors, np.full(count, NO_DERIVATIVE, np.int8), kinks, other_end, other_stage)
 

@@ -12,6 +12,7 @@ from functools import cache
 from pathlib import Path
 
 from film_model.oblique import friction
+from film_model.scene.noses import NOSE, OVAL
 from film_model.solve.history import History
 from film_model.version import __version__
 
@@ -27,9 +28,10 @@ _NAMED = re.compile(r"([^\W\d_a-z][\w-]+)(?:(?:, [^\W\d_][\w-]+)* & [\w-]+| et a
 
 
 def citations(history: History) -> str:
-    """BibTeX entries of the package, of FILM, of the law, and of the effects and the friction that were simulated."""
+    """BibTeX of the package, of FILM, and of the law, the shape, the effects and the friction that were simulated."""
     law = history.problem.law  # or a rule of unloading around its law
     sources = [METHOD, getattr(law, "law", law).source, law.source]
+    sources += [NOSE] if history.scene.nose is not None else [OVAL] if history.scene.oval is not None else []
     sources += [effect.source for effect in history.effects if effect.simulated]
     if history.oblique is not None:
         sources.append(friction.SOURCE)

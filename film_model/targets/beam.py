@@ -17,7 +17,7 @@ from film_model.targets.modes import Modes, pulse_response
 from film_model.targets.panel_statics import compliance_and_error, panel_compliance
 from film_model.targets.plate_waves import plate_stiffness, shear_around
 from film_model.targets.ritz import Panel, panel_modes
-from film_model.targets.sensors import SENSORS, Sensor, points_of, sensor_mistakes
+from film_model.targets.sensors import SENSORS, Sensor, points_of, sensor_mistakes, with_strains
 from film_model.targets.stretching import lengthening, stretching
 from film_model.targets.supports import DAMPING, SUPPORTS, damped, one_or
 from film_model.targets.target import (
@@ -109,7 +109,8 @@ class Beam(AbstractTarget):
         elif self.ends:
             size, place = (None if v is None else (v,) for v in (self.length, self.position))
             mistakes += place_mistakes(self, "length", size, place, self._ends)
-        raise_all(mistakes + sensor_mistakes(self, self.sensors, (self.length,) if self.length else None))
+        singular = (self._struck,) if not mistakes and self.wide else ()
+        raise_all(mistakes + sensor_mistakes(self, self.sensors, (self.length,) if self.length else None, singular))
 
     @property
     def finite(self) -> bool:
@@ -169,13 +170,12 @@ class Beam(AbstractTarget):
 
     def modes(self, highest: float) -> Modes:
         """Natural vibrations up to a frequency [rad/s]; in the middle of the width."""
-        others = points_of(self.sensors)
         if self.wide:
-            across = tuple((at, self.width / 2) for (at,) in others)
-            modes = panel_modes(self._strip, (self._struck, self.width / 2), highest, across)
+            others = points_of(self.sensors, (self.width / 2,))
+            modes = panel_modes(self._strip, (self._struck, self.width / 2), highest, others)
         else:
-            modes = line_modes(self._line, self._struck, highest, others)
-        return damped(modes, self.damping_ratio)
+            modes = line_modes(self._line, self._struck, highest, points_of(self.sensors))
+        return damped(with_strains(modes, self.sensors), self.damping_ratio)
 
     def reflections(self, impact: Impact) -> Estimate:
         """Not assessed. Called only if the target is assumed fixed; otherwise the whole beam is simulated."""

@@ -17,6 +17,7 @@ import numpy as np
 from film_model.base.arrays import Number, same
 from film_model.base.errors import TooManyModes
 from film_model.base.threads import one_thread
+from film_model.targets.line_functions import Line as Functions
 from film_model.targets.line_functions import line, polynomials
 from film_model.targets.modes import Array, Modes, Points, check_count, projected, sorted_modes
 
@@ -61,8 +62,9 @@ def beam_shear_coefficient(poissons_ratio: float) -> float:
 
 @lru_cache(maxsize=64)
 def line_modes(beam: Line, position: float, highest: float, others: Points = ()) -> Modes:
-    """The vibrations of a beam struck at `position` [m] up to the frequency `highest` [rad/s]. others: sensors, m."""
-    places = (position, *(at for (at,) in others))
+    """The vibrations of a beam struck at `position` [m] up to the frequency `highest` [rad/s]. others: sensors, m, or
+    with the order 2 for the curvature, w″ or ψ′."""
+    places = ((position,), *others)
     simple = beam.ends == ("simply supported", "simply supported")
     if math.isinf(beam.shear):
         waves = math.sqrt(highest * math.sqrt(beam.mass / beam.bending)) * beam.length / math.pi
@@ -80,11 +82,16 @@ def line_modes(beam: Line, position: float, highest: float, others: Points = ())
     if math.isinf(beam.shear):
         shapes = line(beam.ends, count)
         frequency = np.sqrt(beam.bending / beam.mass * shapes.bent) * (2.0 / beam.length) ** 2
-        seen = np.array([shapes.at(2.0 * at / beam.length - 1.0) for at in places])[:, : shapes.shapes]
+        seen = np.array([_deflection(beam, shapes, *place) for place in places])[:, : shapes.shapes]
         products = seen[0] * seen * 2.0 / (beam.mass * beam.length)
         return sorted_modes(frequency[: shapes.shapes], products[0], highest, products[1:])
     frequency, products = _timoshenko(beam, places, 2 * count + 12)
     return sorted_modes(frequency, products[0], highest, products[1:])
+
+
+def _deflection(beam: Line, shapes: Functions, at: float, order: float = 0.0) -> Array:
+    """The functions, or their derivatives, 1/m^order, at a place."""
+    return shapes.at(2.0 * at / beam.length - 1.0, int(order)) * (2.0 / beam.length) ** order
 
 
 def _wave_number(beam: Line, frequency: float) -> float:
@@ -94,18 +101,20 @@ def _wave_number(beam: Line, frequency: float) -> float:
     return math.sqrt((slow + turn) / 2 + math.sqrt(((slow - turn) / 2) ** 2 + bent))
 
 
-def _simple(beam: Line, places: tuple[float, ...], highest: float, waves: float) -> Modes:
+def _simple(beam: Line, places: Points, highest: float, waves: float) -> Modes:
     """Modes of a simply supported beam: w = sin(βx), ψ = Ψ cos(βx), β = nπ/L.
 
     Timoshenko: (κGA β² − ρA ω²)(EI β² + κGA − ρI ω²) = (κGA β)². Of the two roots, one is thickness shear.
     """
     n = np.arange(1.0, waves + 2.0)
     beta = n * math.pi / beam.length
-    struck = np.sin(beta * places[0])
-    sines = np.array([struck * np.sin(beta * at) for at in places])
+    struck = np.sin(beta * places[0][0])
+    sines = np.array([struck * np.sin(beta * at) for at, *_ in places])
+    curved = [k for k, (_, *order) in enumerate(places) if order]
     half = beam.mass * beam.length / 2
     if math.isinf(beam.shear):
         found = sines / half
+        found[curved] *= -(beta**2)
         return sorted_modes(beta**2 * math.sqrt(beam.bending / beam.mass), found[0], highest, found[1:])
     last = beam.shear * beam.bending * beta**4  # ρA ρI ω⁴ − middle ω² + last = 0
     middle = beam.mass * (beam.bending * beta**2 + beam.shear) + beam.turning * beam.shear * beta**2
@@ -114,11 +123,12 @@ def _simple(beam: Line, places: tuple[float, ...], highest: float, waves: float)
     both = np.concatenate([beta, beta])
     turn = (beam.shear * both**2 - beam.mass * square) / (beam.shear * both)
     found = np.hstack([sines, sines]) / (half + beam.turning * beam.length / 2 * turn**2)
+    found[curved] *= -both * turn
     return sorted_modes(np.sqrt(square), found[0], highest, found[1:])
 
 
 @one_thread
-def _timoshenko(beam: Line, places: tuple[float, ...], degree: int) -> tuple[Array, Array]:
+def _timoshenko(beam: Line, places: Points, degree: int) -> tuple[Array, Array]:
     """Frequencies, and shares and factors, one per row, of all vibrations of a beam in a space of polynomials.
 
     The curvature and the shear are Legendre series, w and ψ their integrals. The energy is then diagonal, so slender
@@ -142,9 +152,11 @@ def _timoshenko(beam: Line, places: tuple[float, ...], degree: int) -> tuple[Arr
     bent = space[:, 2:] @ space[:, 2:].T  # each function of the series has the energy ½ J
     shift = beam.bending / (beam.mass * length**4)
     root = np.linalg.inv(np.linalg.cholesky(bent + shift * factor @ factor.T))
-    at = np.polynomial.legendre.legvander(2.0 * np.array(places) / length - 1.0, degree + 3)
+    at = np.polynomial.legendre.legvander(2.0 * np.array([place[0] for place in places]) / length - 1.0, degree + 3)
+    curvature = np.polynomial.legendre.legder(slope, axis=1) / half
+    moves = [curvature @ row[:-1] if len(place) > 1 else moved @ row for place, row in zip(places, at, strict=True)]
     shapes, size, _ = np.linalg.svd(root @ factor, full_matrices=False)  # more accurate than `eigh`: see line_functions
-    seen = np.array([projected(root @ (moved @ row), size[::-1], shapes[:, ::-1])[::-1] for row in at])
+    seen = np.array([projected(root @ move, size[::-1], shapes[:, ::-1])[::-1] for move in moves])
     kept = size > 1e-7 * size[0]
     inverse, seen = size[kept] ** 2, seen[:, kept]
     square = 1.0 / inverse - shift
@@ -206,7 +218,7 @@ def _one_compliance(beam: Line, position: float) -> float:
 def _sum(beam: Line, position: float) -> float:
     """Compliance of all vibrations in a space of polynomials."""
     if not math.isinf(beam.shear):
-        frequency, (share,) = _timoshenko(beam, (position,), _STATIC)
+        frequency, (share,) = _timoshenko(beam, ((position,),), _STATIC)
     else:
         shapes = polynomials(beam.ends, _STATIC)
         frequency = np.sqrt(beam.bending / beam.mass * shapes.bent) * (2.0 / beam.length) ** 2

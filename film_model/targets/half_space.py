@@ -30,18 +30,23 @@ CURVED = replace(RADIUS, read=_read_curved, low=-cast("float", RADIUS.high))
 class HalfSpace(AbstractTarget):
     """A target so thick and wide that it does not move but by waves, which do not come back.
     material: name or table. radius: of a curved surface, m; negative: of a hollow, wider than the ball; default flat.
+    second_radius: of the surface in the other principal plane, m, alone for a shaft, negative for a groove; default the
+    same radius.
 
     >>> fm.HalfSpace("mild steel").impedance
     inf
     """
 
     kind: ClassVar[str] = "half-space"
-    FIELDS: ClassVar[Mapping[str, Field]] = {"material": MATERIAL, "radius": CURVED}
+    FIELDS: ClassVar[Mapping[str, Field]] = {"material": MATERIAL, "radius": CURVED, "second_radius": CURVED}
 
     material: Material | None
     radius: float
+    second_radius: float | None
 
-    def __init__(self, material: MaterialLike | None = None, radius: Value | None = None) -> None:
+    def __init__(
+        self, material: MaterialLike | None = None, radius: Value | None = None, second_radius: Value | None = None
+    ) -> None:
         raise_all(fill_target(self, locals()))
 
     def radiation_impedance(self, duration: Any) -> Any:

@@ -44,9 +44,10 @@ class Line:
     crossed: Array
     odd: NDArray[np.bool_]
 
-    def at(self, s: float) -> Array:
-        """f_p(s)."""
-        return self.polynomials @ np.polynomial.legendre.legvander(np.array([s]), self.polynomials.shape[1] - 1)[0]
+    def at(self, s: float, order: int = 0) -> Array:
+        """f_p(s), or a derivative."""
+        series = np.polynomial.legendre.legder(self.polynomials, order, axis=1) if order else self.polynomials
+        return series @ np.polynomial.legendre.legvander(np.array([s]), series.shape[1] - 1)[0]
 
 
 @lru_cache(maxsize=32)

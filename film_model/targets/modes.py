@@ -37,13 +37,14 @@ class Modes:
     frequency: ω_n, rad/s; 0 for a motion of the whole structure that nothing holds. share: φ_n²/M_n, 1/kg: mode shape
     there squared over modal mass. damping_ratio: ζ_n; default 0. The point's displacement is w = Σ w_n with
     ẅ_n + 2 ζ_n ω_n ẇ_n + ω_n² w_n = (φ_n²/M_n) F. factor: the same of the structure's sensors, one per row:
-    φ_n(sensor) φ_n/M_n, 1/kg, in place of the share.
+    φ_n(sensor) φ_n/M_n, 1/kg, in place of the share. strain: the same of what `AbstractTarget.strains` takes.
     """
 
     frequency: Array
     share: Array
     damping_ratio: Array = field(default_factory=lambda: np.zeros(0))
     factor: Array = field(default_factory=lambda: np.zeros((0, 0)), compare=False)
+    strain: Array = field(default_factory=lambda: np.zeros((0, 0)), compare=False)
 
     def __post_init__(self) -> None:
         if self.damping_ratio.size == 0:
@@ -52,7 +53,8 @@ class Modes:
     def below(self, highest: float) -> Modes:
         """Those up to the frequency `highest`, rad/s."""
         count = int(np.searchsorted(self.frequency, highest, side="right"))
-        return Modes(*(part[..., :count] for part in (self.frequency, self.share, self.damping_ratio, self.factor)))
+        parts = self.frequency, self.share, self.damping_ratio, self.factor, self.strain
+        return Modes(*(part[..., :count] for part in parts))
 
     def merged(self) -> Modes:
         """The same motion of the struck point, without sensors: modes of equal frequency and damping become one."""

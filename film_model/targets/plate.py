@@ -29,7 +29,7 @@ from film_model.targets.plate_waves import (
     shear_around,
 )
 from film_model.targets.ritz import Panel, loose, panel_modes
-from film_model.targets.sensors import SENSORS, Sensor, points_of, sensor_mistakes
+from film_model.targets.sensors import SENSORS, Sensor, points_of, sensor_mistakes, with_strains
 from film_model.targets.stretching import lengthening, mean_square, sliding, stretching
 from film_model.targets.supports import DAMPING, EDGE_STIFFNESS, EDGES, FOUNDATION, damped, four, spring_mistakes
 from film_model.targets.target import (
@@ -134,7 +134,7 @@ class Plate(AbstractTarget):
         mistakes = fill_target(self, locals())
         if self.edges:
             mistakes += place_mistakes(self, "size", self.size, self.position, four(self.edges))
-            mistakes += sensor_mistakes(self, self.sensors, self.size)
+            mistakes += sensor_mistakes(self, self.sensors, self.size, self._struck if self.size else ())
             mistakes += spring_mistakes(self, four(self.edge_stiffness or 0.0), four(self.edges))
         for name in ("edges", "edge_stiffness", "foundation_stiffness", "damping_ratio"):
             given = getattr(self, name)
@@ -269,7 +269,7 @@ class Plate(AbstractTarget):
             modes = plate_modes(self.surface_density, self.stiffness, self.size, self._struck, highest, bed, others)
         else:
             modes = panel_modes(self._panel, self._struck, highest, others)
-        return damped(modes, self.damping_ratio)
+        return damped(with_strains(modes, self.sensors), self.damping_ratio)
 
     @property
     def _simple(self) -> bool:

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from film_model.targets.modes import Modes, Points, check_count, sorted_modes
+from film_model.targets.modes import Array, Modes, Points, check_count, sorted_modes
 from film_model.targets.plate_statics import anisotropy
 
 
@@ -23,7 +23,8 @@ def plate_modes(
 
     φ = sin(iπx/a) sin(jπy/b), M = ρ_A a b/4, ω² = (π⁴/ρ_A)(D11 i⁴/a⁴ + 2 (D12 + 2 D66) i²j²/(a²b²) + D22 j⁴/b⁴) +
     k_f/ρ_A on an elastic bed of `foundation` k_f [N/m³]. Modes with a node line through the struck point `position` are
-    omitted. others: sensors, m. Valid for thin plates: wavelengths must be long compared with the thickness.
+    omitted. others: sensors, m, or with orders of derivatives. Valid for thin plates: wavelengths must be long compared
+    with the thickness.
     """
     (d11, _, d22, _), (a, b) = stiffness, size
     coupling = stiffness[1] + 2 * stiffness[3]
@@ -36,7 +37,13 @@ def plate_modes(
     if foundation:
         square += foundation / mass_per_area
     shape, *elsewhere = (
-        np.sin(i * math.pi * x / a)[:, None] * np.sin(j * math.pi * y / b) for x, y in (position, *others)
+        _waves(i, a, x, p)[:, None] * _waves(j, b, y, q)
+        for x, y, p, q in (((*point, 0.0, 0.0)[:4]) for point in (position, *others))
     )
     factor = np.array([shape * other * 4 / (mass_per_area * a * b) for other in elsewhere])
     return sorted_modes(np.sqrt(square), shape**2 * 4 / (mass_per_area * a * b), highest, factor)
+
+
+def _waves(number: Array, side: float, at: float, order: float) -> Array:
+    """A derivative of sin(nπx/a), 1/m^order."""
+    return (number * math.pi / side) ** order * np.sin(number * math.pi * at / side + order * math.pi / 2)

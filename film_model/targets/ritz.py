@@ -91,7 +91,8 @@ class Panel:
 @lru_cache(maxsize=16)
 @one_thread
 def panel_modes(panel: Panel, position: tuple[float, float], highest: float, others: Points = ()) -> Modes:
-    """The vibrations of a plate struck at `position` [m] up to the frequency `highest` [rad/s]. others: sensors, m.
+    """The vibrations of a plate struck at `position` [m] up to the frequency `highest` [rad/s]. others: sensors, m, or
+    with orders of derivatives.
 
     TooManyModes beyond MOST_FUNCTIONS.
     """
@@ -135,13 +136,14 @@ def _seen_modes(panel: Panel, found: list[tuple[Array, Array]], highest: float) 
 def _strips(panel: Panel, points: Points, highest: float) -> list[tuple[Array, Array]]:
     """Frequencies, rad/s, and shapes of a plate with two opposite edges simply supported, each half-wave alone."""
     if panel.ends[0] != SIMPLE:
-        panel, points = turned(panel), tuple(point[::-1] for point in points)
+        panel, points = turned(panel), tuple((*point[1::-1], *point[:1:-1]) for point in points)
     (d11, d12, d22, _), (a, b) = panel.stiffness, panel.size
     # half-waves have at least the energy of the stiffness D11 − D12²/D22: edges that are free let the plate curl
     waves = _half_waves(panel, 0, highest) * (1.0 - d12**2 / (d11 * d22)) ** -0.25
     check_count(waves)
     wave = np.arange(1.0, max(LEAST, int(waves)) + 1.0) * math.pi / a
     wave = wave[np.abs(np.sin(wave * points[0][0])) > NODE]
+    places, orders = np.split(np.array([(*point, 0.0, 0.0)[:4] for point in points]).T, 2)
     degree, groups = _degrees(panel, wave, highest), 2 if _symmetric(panel, 1) else 1
     if float(np.sum((degree / groups) ** 3)) > MOST_STRIPS:
         raise TooManyModes(
@@ -152,12 +154,13 @@ def _strips(panel: Panel, points: Points, highest: float) -> list[tuple[Array, A
     for size in np.unique(degree):
         ends, exact = panel.ends[1], size <= MOST_DEGREE
         across = polynomials(ends, int(size)) if exact else line(ends, int(SHAPES * size))
-        seen = np.array([across.at(2.0 * y / b - 1.0) for _, y in points]) * 2.0 / math.sqrt(a * b)
+        seen = np.array([_at(across, y, b, order) for y, order in zip(places[1], orders[1], strict=True)])
+        seen = seen * 2.0 / math.sqrt(a * b)
         for odd in (False, True)[:groups]:
             q = np.flatnonzero(across.odd == odd) if groups == 2 else np.arange(seen.shape[1])
             sides = _across(panel, across, q)
             for k in wave[degree == size]:
-                there = np.sin(k * np.array([x for x, _ in points]))[:, None] * seen[:, q]
+                there = (k ** orders[0] * np.sin(k * places[0] + orders[0] * (math.pi / 2)))[:, None] * seen[:, q]
                 if np.abs(there[0]).max() > NODE:
                     found.append(_strip(panel, sides, k, there))
     return found
@@ -242,10 +245,16 @@ def energy_of(panel: Panel, lines: list[Line], p: Index, q: Index) -> Array:
 
 
 def shape_at(panel: Panel, lines: list[Line], point: tuple[float, ...], p: Index, q: Index) -> Array:
-    """The products, orthonormal in ∫∫w², at a point."""
+    """The products, orthonormal in ∫∫w², or their derivatives, at a point."""
     a, b = panel.size
-    x, y = (own.at(2.0 * at / side - 1.0) for own, at, side in zip(lines, point, panel.size, strict=True))
+    places = zip(lines, point[:2], panel.size, point[2:] or (0.0, 0.0), strict=True)
+    x, y = (_at(own, at, side, order) for own, at, side, order in places)
     return x[p] * y[q] * (2.0 / math.sqrt(a * b))
+
+
+def _at(line: Line, at: float, side: float, order: float) -> Array:
+    """The functions along a side, or their derivatives, 1/m^order, at a distance from its end."""
+    return line.at(2.0 * at / side - 1.0, int(order)) * (2.0 / side) ** order
 
 
 def _blocks(panel: Panel, lines: list[Line], highest: float, point: tuple[float, ...]) -> list[Block]:

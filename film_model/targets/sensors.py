@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, ClassVar, cast
 
 from film_model.base.errors import Mistake, raise_all, shown
 from film_model.base.fields import Field, InUnits, build, fill, measure, mistake, words
 from film_model.base.units import Value
-from film_model.targets.modes import Points
+from film_model.targets.modes import Modes, Points
 
 MOST_SENSORS = 100
 
@@ -27,30 +28,38 @@ def _read_shape(value: object) -> Any:
     return tuple(measure("dimensionless", -1e15, 1e15).read(item) for item in cast("Sequence[object]", value))
 
 
+def _read_strain(value: object) -> Any:
+    return value if isinstance(value, bool) else _read_shape(value)
+
+
 @dataclass(frozen=True, init=False, repr=False)
 class Sensor(InUnits):
     """A point of a structure whose motion is wanted.
 
     name: in results. position: on a plate two distances from a corner, m; on a beam or rod one from its first or
     struck end. shape: on a structure the name of a column of the modes file, or for each vibration the deflection there
-    over that at the struck point.
+    over that at the struck point. strain: whether strains are wanted, at the face away from the impactor; on a
+    structure the name of a column, or for each vibration the strain over the deflection at the struck point, 1/m.
     """
 
     FIELDS: ClassVar[Mapping[str, Field]] = {
         "name": Field(words("a name").read, "a name is needed", required=True),
         "position": Field(_read_position, 'a length such as "20 mm", or a list of two, is needed', dimension="length"),
         "shape": Field(_read_shape, "the name of a column of the modes file is needed"),
+        "strain": Field(_read_strain, "true, or on a structure the name of a column of the modes file, is needed"),
     }
 
     name: str
     position: tuple[float, ...] | None
     shape: str | tuple[float, ...] | None
+    strain: bool | str | tuple[float, ...]
 
     def __init__(
         self,
         name: str | None = None,
         position: Value | Sequence[Value] | None = None,
         shape: str | Sequence[float] | None = None,
+        strain: bool | str | Sequence[float] = False,
     ) -> None:
         mistakes = fill(self, locals())
         if (position is None) == (shape is None):
@@ -58,14 +67,29 @@ class Sensor(InUnits):
         raise_all(mistakes)
 
 
-def points_of(sensors: tuple[Sensor, ...] | None) -> Points:
-    """The points of sensors that have positions, m."""
-    return tuple(cast("tuple[float, ...]", sensor.position) for sensor in sensors or ())
+CURVATURES = {1: ((2.0,),), 2: ((2.0, 0.0), (0.0, 2.0), (1.0, 1.0))}
+"""Orders of the derivatives of the deflection that are the curvatures of a line, and of a surface."""
 
 
-def replaced(sensor: Sensor, shape: tuple[float, ...]) -> Sensor:
-    """The sensor with its shape as numbers."""
-    return Sensor(sensor.name, shape=shape)
+def points_of(sensors: tuple[Sensor, ...] | None, across: tuple[float, ...] = ()) -> Points:
+    """The points of sensors that have positions, m, and after them those of strains with the orders of derivatives.
+
+    across: second distance of all, of a beam that is taken for a plate.
+    """
+    places = [(*cast("tuple[float, ...]", sensor.position), *across) for sensor in sensors or ()]
+    strained = (place for place, sensor in zip(places, sensors or (), strict=True) if sensor.strain)
+    return (*places, *((*place, *orders) for place in strained for orders in CURVATURES[len(place)]))
+
+
+def with_strains(modes: Modes, sensors: tuple[Sensor, ...] | None) -> Modes:
+    """The modes whose rows for strains, which follow those of the sensors, are apart."""
+    count = len(sensors or ())
+    return replace(modes, factor=modes.factor[:count], strain=modes.factor[count:])
+
+
+def replaced(sensor: Sensor, shape: tuple[float, ...], strain: tuple[float, ...] | None = None) -> Sensor:
+    """The sensor with its shape, and its strain if it has one, as numbers."""
+    return Sensor(sensor.name, shape=shape, strain=strain or False)
 
 
 def _read_sensors(value: object) -> tuple[Sensor, ...]:
@@ -83,12 +107,12 @@ def _read_sensors(value: object) -> tuple[Sensor, ...]:
 
 
 def _write(sensors: tuple[Sensor, ...]) -> Any:
-    given = ({"name": s.name, "position": s.position, "shape": s.shape} for s in sensors)
+    given = ({"name": s.name, "position": s.position, "shape": s.shape, "strain": s.strain or None} for s in sensors)
     return [{key: _plain(key, value) for key, value in table.items() if value is not None} for table in given]
 
 
 def _plain(key: str, value: Any) -> Any:
-    if isinstance(value, str):
+    if isinstance(value, str | bool):
         return value
     return [f"{number!r} m" if key == "position" else number for number in value]
 
@@ -97,15 +121,28 @@ SENSORS = Field(_read_sensors, "a list of sensors, each with name and position, 
 
 
 def sensor_mistakes(
-    owner: object, sensors: tuple[Sensor, ...] | None, sides: tuple[float, ...] | None
+    owner: Any, sensors: tuple[Sensor, ...] | None, sides: tuple[float, ...] | None, singular: tuple[float, ...] = ()
 ) -> list[Mistake]:
-    """Mistakes of sensors that are not on a plate, beam or rod with these sides, m."""
+    """Mistakes of sensors that are not on a plate, beam or rod with these sides, m. singular: the struck point of a
+    plate, where the bending moment of plate theory is infinite."""
     if not sensors:
         return []
     if sides is None:
         return [mistake(owner, "sensors", "need a target with edges: an infinite one has no vibrations")]
     found: list[Mistake] = []
+    thickness: float | None = owner.whole_thickness
     for sensor in sensors:
+        if sensor.strain not in (True, False):
+            found.append(mistake(owner, "sensors", f"{shown(sensor.name)}: strain = true is needed, not a column"))
+        elif sensor.strain and thickness is None:
+            wrong = f"{shown(sensor.name)}: strain needs a plate or a beam of known thickness"
+            found.append(mistake(owner, "sensors", wrong))
+        elif sensor.strain and thickness and len(sensor.position or ()) == len(singular):
+            near = math.dist(sensor.position or (), singular)
+            if singular and near < thickness:
+                wrong = f"{shown(sensor.name)}: strain needs a distance of the thickness, {thickness:g} m, "
+                wrong += f"from the contact, where the moment of plate theory is infinite, not {near:g} m"
+                found.append(mistake(owner, "sensors", wrong))
         if sensor.position is None:
             found.append(mistake(owner, "sensors", f"{shown(sensor.name)}: a position is needed, not a shape"))
         elif len(sensor.position) != len(sides):

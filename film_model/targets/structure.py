@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, ClassVar, cast
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -13,7 +13,7 @@ from film_model.base.errors import Mistake, raise_all, shown
 from film_model.base.fields import Field, measure, mistake, words
 from film_model.base.materials import MATERIAL, Material, MaterialLike
 from film_model.base.units import Value, array_to_si, needed
-from film_model.targets.modes import Modes, pulse_response
+from film_model.targets.modes import Array, Modes, pulse_response
 from film_model.targets.sensors import SENSORS, Sensor, replaced
 from film_model.targets.structure_file import MOST_LISTED, read_structure
 from film_model.targets.supports import DAMPING, damped
@@ -39,6 +39,16 @@ def _list_of(dimension: str, low: float, high: float, zero: bool) -> Field:
         return tuple(found.tolist())
 
     return Field(read, need, dimension=dimension)
+
+
+def _numbers(given: Any, columns: Mapping[str, tuple[float, ...]]) -> Any:
+    """A column of a file by its name, or what is given instead."""
+    return columns[given.lower()] if isinstance(given, str) else given
+
+
+def _sorted(values: Any, order: Sequence[int]) -> Any:
+    """The values in another order, if there are any."""
+    return tuple(values[k] for k in order) if values else values
 
 
 @dataclass(frozen=True, init=False, repr=False)
@@ -115,7 +125,8 @@ class Structure(AbstractTarget):
             return [mistake(self, "file", "give file, or frequency and modal_mass, not both")]
         assert self.file is not None
         try:
-            named = {s.shape.lower() for s in self.sensors or () if isinstance(s.shape, str)}
+            words = (word for s in self.sensors or () for word in (s.shape, s.strain))
+            named = {word.lower() for word in words if isinstance(word, str)}
             listed = read_structure(self.file, tuple(sorted(named)))
         except (OSError, ValueError) as error:
             reason = (
@@ -129,7 +140,7 @@ class Structure(AbstractTarget):
                 object.__setattr__(self, name, getattr(listed, name))
         if self.sensors:
             found = (
-                replaced(s, listed.shapes[s.shape.lower()]) if isinstance(s.shape, str) else s for s in self.sensors
+                replaced(s, *(_numbers(part, listed.shapes) for part in (s.shape, s.strain))) for s in self.sensors
             )
             object.__setattr__(self, "sensors", tuple(found))
         object.__setattr__(self, "file", None)
@@ -141,8 +152,13 @@ class Structure(AbstractTarget):
             wrong = (
                 "a shape is needed: the name of a column of the modes file, or a list" if sensor.shape is None else ""
             )
-            if isinstance(sensor.shape, str):
-                wrong = f"the shape {shown(sensor.shape)} names a column, which needs a file"
+            named = next((part for part in (sensor.shape, sensor.strain) if isinstance(part, str)), None)
+            if named is not None:
+                wrong = f"{shown(named)} names a column, which needs a file"
+            elif sensor.strain is True:
+                wrong = "strain needs the name of a column of the modes file, with the strain of the shapes there"
+            elif sensor.strain and len(sensor.strain) != len(self.frequency):
+                wrong = f"strain has {len(sensor.strain)} values for {len(self.frequency)} frequencies"
             elif sensor.shape is not None and len(sensor.shape) != len(self.frequency):
                 wrong = f"the shape has {len(sensor.shape)} values for {len(self.frequency)} frequencies"
             if wrong:
@@ -153,7 +169,7 @@ class Structure(AbstractTarget):
         """Sort the lists by ascending frequency."""
         order = sorted(range(len(self.frequency)), key=lambda k: self.frequency[k])
         if self.sensors:
-            found = (replaced(s, tuple(cast("tuple[float, ...]", s.shape)[k] for k in order)) for s in self.sensors)
+            found = (replaced(s, *(_sorted(part, order) for part in (s.shape, s.strain))) for s in self.sensors)
             object.__setattr__(self, "sensors", tuple(found))
         for name in ("frequency", "modal_mass"):
             object.__setattr__(self, name, tuple(getattr(self, name)[k] for k in order))
@@ -161,8 +177,9 @@ class Structure(AbstractTarget):
     @property
     def _all(self) -> Modes:
         share = 1.0 / np.array(self.modal_mass)
-        shapes = [share * np.array(sensor.shape, dtype=np.float64) for sensor in self.sensors or ()]
-        return Modes(np.array(self.frequency) * HERTZ, share, factor=np.array(shapes).reshape(-1, share.size))
+        rows = [s.shape for s in self.sensors or ()], [s.strain for s in self.sensors or () if s.strain]
+        factors = (share * np.array(row, dtype=np.float64).reshape(-1, share.size) for row in rows)
+        return Modes(np.array(self.frequency) * HERTZ, share, np.zeros(0), *factors)
 
     @property
     def finite(self) -> bool:
@@ -192,6 +209,10 @@ class Structure(AbstractTarget):
     def modes(self, highest: float) -> Modes:
         """The given vibrations up to the frequency `highest` [rad/s]."""
         return damped(self._all.below(highest), self.damping_ratio)
+
+    def strains(self, rows: Array) -> Array:
+        """The strain of each column as strain_x; strain_y and the stress are not known."""
+        return np.stack([rows, *np.full((2, *rows.shape), np.nan)])
 
     def omitted(self, modes: Modes, highest: float) -> float:
         """Static compliance of the vibrations above `highest` [rad/s], m/N: their sum.

@@ -114,7 +114,7 @@ def _heading(place: str, cells: list[str], shapes: tuple[str, ...]) -> Iterator[
         match = HEADING.fullmatch(cell)
         name = "" if match is None else match[1].lower()
         if match is None or name not in (*COLUMNS, *shapes):
-            if match is not None and name.startswith("shape"):
+            if match is not None and name.startswith(("shape", "strain")):
                 continue  # of a sensor that is not asked for
             hint = did_you_mean(name, COLUMNS) or f": a heading such as {EXAMPLE} is needed"
             raise ValueError(f"{place}: unknown column {shown(cell.strip())}{hint}")
@@ -138,7 +138,7 @@ def _check_columns(place: str, seen: set[str], shapes: tuple[str, ...]) -> None:
         raise ValueError(f"{place}: no column {min(missing)}: a heading such as {EXAMPLE} is needed")
     for name in shapes:
         if name not in seen:
-            raise ValueError(f"{place}: no column {shown(name)}, which a sensor names as its shape")
+            raise ValueError(f"{place}: no column {shown(name)}, which a sensor names")
 
 
 def _factor(place: str, name: str, unit: str) -> float:
@@ -155,7 +155,7 @@ def _factor(place: str, name: str, unit: str) -> float:
             return to_si(f"1 {unit}", "mass")
         except ValueError as error:
             raise ValueError(f"{place}: {error}") from None
-    if unit not in ("", "1", "-"):
+    if unit not in ("", "1", "-", "1/m")[: 4 if name.startswith("strain") else 3]:
         raise ValueError(f"{place}: the unit {shown(unit)} is not allowed: {name} is a plain number")
     return 1.0
 

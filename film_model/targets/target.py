@@ -25,8 +25,9 @@ from film_model.base.arrays import endless
 from film_model.base.errors import Mistake, SimulationError
 from film_model.base.fields import Field, InUnits, fill, measure, mistake
 from film_model.base.materials import Material
-from film_model.targets.modes import Modes
+from film_model.targets.modes import Array, Modes
 from film_model.targets.sensors import Sensor
+from film_model.targets.surface_strain import surface_strains
 
 RADIUS = measure("length", 1e-10, 1e3)
 LENGTH = measure("length", 1e-10, 1e5)
@@ -201,6 +202,18 @@ class AbstractTarget(InUnits, ABC):
     def modes(self, highest: float) -> Modes:
         """Natural vibrations up to the frequency `highest`, rad/s, at the struck point and at the sensors."""
         raise SimulationError(self.modes_missing)
+
+    @property
+    def whole_thickness(self) -> float | None:
+        """Thickness, m; None if it has none or it is unknown."""
+        return getattr(self, "thickness", None)
+
+    def strains(self, rows: Array) -> Array:
+        """strain_x, strain_y and bending stress, Pa, (3, sensors, times), of the sensors with strain, NaN if unknown.
+
+        rows: what the rows of `Modes.strain` make of the vibrations, (rows, times).
+        """
+        return surface_strains(self, rows)
 
     def omitted(self, modes: Modes, highest: float) -> float:
         """Static compliance of the vibrations above `highest` [rad/s], m/N. modes: those up to it."""

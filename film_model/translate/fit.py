@@ -160,7 +160,9 @@ def pair_of(scene: Scene, velocity: float, depth: float) -> Pair:
     assert mass is not None
     if scene.target.radius < 0.0:
         raise SimulationError(f"target.radius: {scene.target.radius:g} m is a hollow, which engines do not have")
-    ratio, friction, kappa = scene.poissons_ratio, scene.contact.friction, 1.0
+    if not scene.is_round:
+        raise SimulationError("the contact is not that of balls, which is what engines have")
+    ratio, friction, kappa = scene.poissons_ratio, scene.contact.one_friction("engines take"), 1.0
     if friction is not None:
         kappa = groups(scene).ratio
         ratio = (2.0 * kappa - 2.0) / (2.0 * kappa - 1.0)  # of alike bodies, κ = (2 − ν)/(2 (1 − ν))

@@ -57,7 +57,7 @@ static inline int relaxes(const model *m) { return m->data->relaxation.tolerance
 static inline int sprung(const model *m) { return m->data->kind == IMPACT && m->data->available[TARGET_STIFFNESS]; }
 
 /* Friction: at the start, with new inputs, and beside a motion that led on from a state in a time, of which only the end may be
- * an event; the last returns the core's status. model_of_friction: whether an output is one of friction, and its value. */
+ * an event (on a vibrating target modes_step has done that); the last returns the core's status. model_of_friction: whether an output is one of friction, and its value. */
 int sliding_begin(model *m);
 void sliding_input(model *m);
 int sliding_follow(model *m, const film_state *from, double time);

@@ -32,9 +32,9 @@ void sliding_input(model *m) {
 
 int sliding_follow(model *m, const film_state *from, double time) {
     model_memory *now = &m->memory;
-    now->pushed += now->value[TANGENTIAL_FORCE] * time * now->time_scale;
-    now->turned += now->value[TORQUE] * time * now->time_scale;
-    return film_slide(m->curve, &m->mesh, from, time, &now->sliding);
+    now->pushed += now->value[TANGENTIAL_FORCE] * time * clock_of(m);
+    now->turned += now->value[TORQUE] * time * clock_of(m);
+    return vibrates(m) ? FILM_OK : film_slide(m->curve, &m->mesh, from, time, NULL, 0, &now->sliding);
 }
 
 double sliding_output(const model *m, unsigned reference) {

@@ -83,7 +83,7 @@ static int bad_numbers(const model_data *data) {
     if (data->available[FRICTION])
         bad |= !(friction->ratio > 0.0 && friction->ratio < INFINITY && friction->lever > 0.0 && friction->lever < INFINITY &&
                  friction->inertia > 0.0 && friction->inertia < INFINITY) ||
-               data->kind != IMPACT || data->modes.count > 0 || data->relaxation.tolerance > 0.0 || data->curve.pull > 0.0;
+               data->kind != IMPACT || data->relaxation.tolerance > 0.0 || data->curve.pull > 0.0;
     const model_family *family = &data->family;
     if (family->nodes != 0)
         bad |= family->nodes < 2 || family->nodes > FILM_MAX_NODES || !(family->low > 0.0 && family->low < family->high) ||

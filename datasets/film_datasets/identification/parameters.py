@@ -144,8 +144,8 @@ def _parameter(scene: Scene, path: str) -> Parameter:
         value = value.parameters[name] if name in getattr(value, "parameters", {}) else getattr(value, name)
     if value is None and path.startswith("contact."):
         value = getattr(scene, path.partition(".")[2], None)
-    if value is None:
-        message = "the scene has no value to begin with: give one"
+    if not isinstance(value, int | float):
+        message = f"the scene has no {'value' if value is None else 'number'} to begin with: give one"
         raise SceneError([Mistake(None, None, f"fit: {path}", message)])
     field = _field(scene, path, (STIFFNESS,))
     assert field is not None and field.low is not None and field.high is not None

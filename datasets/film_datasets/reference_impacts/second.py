@@ -127,8 +127,8 @@ def second_friction(history: History) -> Second:
         seen = history.sample_si(times)
         force = np.maximum(seen.contact_force, 0.0)
         radius = radius_in_loading(history.problem, np.asarray(seen.indentation), force)
-        run = springs.tangential(springs.Grip(times, force, radius), given.modulus, given.friction, given.mass, before)
-        after, error = float(run.velocity[-1]), run.estimated
+        run = springs.tangential(given, times, force, radius)
+        after, error = run.after, run.estimated
         how = f"{springs.SPRINGS} springs beside each other in {STEPS} steps"
     error += found.estimated * abs(before)
     values, moved = (results(scene, given, rebound, end, (0.0, 0.0)) for end in (after, after + error))

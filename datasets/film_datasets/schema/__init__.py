@@ -17,7 +17,7 @@ from film_datasets.schema.motion_variables import (
     WIDE,
     branch_words,
 )
-from film_datasets.schema.sensor_variables import peak_name, peak_variables, sensor_words
+from film_datasets.schema.sensor_variables import FORCE_INTERVAL, peak_name, peak_variables, sensor_words
 from film_datasets.schema.tables import (
     ADDED,
     ATTRIBUTES,
@@ -69,6 +69,7 @@ __all__ = [
     "CONSTANTS",
     "COST",
     "EQUATIONS_ON_MODES",
+    "FORCE_INTERVAL",
     "HISTORY",
     "IMPACT_STATUSES",
     "MEASURED_CONDITIONS",

@@ -30,7 +30,7 @@ from film_datasets.schema.motion_variables import (
     spaced,
     stage,
 )
-from film_datasets.schema.sensor_variables import SENSED, peaks_in
+from film_datasets.schema.sensor_variables import FORCE_INTERVAL, IDENTIFIED, SENSED, STRAINED, peaks_in
 from film_datasets.schema.variable import (
     BYTE,
     FLOAT,
@@ -59,32 +59,30 @@ _STRESSES = (
 )
 
 _STEPS = tuple(variable.name for variable in (*STEP_PLACES, *STEPS))
-_IN_HISTORIES, _IN_SWEEPS, _IN_STEPS, _OF_CONTACTS, _SENSED = (
-    tuple(v.name for v in variables) for variables in (IN_HISTORIES, IN_SWEEPS, IN_STEPS, CONTACTS, SENSED)
+_IN_HISTORIES, _IN_SWEEPS, _IN_STEPS, _OF_CONTACTS, _SENSED, _STRAINED = (
+    tuple(v.name for v in variables) for variables in (IN_HISTORIES, IN_SWEEPS, IN_STEPS, CONTACTS, SENSED, STRAINED)
 )
 
 ADDED: dict[str, dict[str, tuple[str, ...]]] = {
     HISTORY: {
-        "1.1": (),
-        "1.2": _STRESSES,
-        "1.3": (),
+        **{"1.1": (), "1.2": _STRESSES, "1.3": ()},
         "1.4": (*_STEPS, MODE_ENERGY.name),
         "1.5": (*_IN_HISTORIES, *_OF_CONTACTS, *_IN_STEPS),
         "1.6": _SENSED,
+        "1.7": _STRAINED,
     },
     SWEEP: {
         "1.0": (),
         "1.1": ("estimated_accuracy", *_STRESSES),
         "1.2": ("scene_key",),
-        "1.3": (),
-        "1.4": (),
-        "1.5": _STEPS,
+        **{"1.3": (), "1.4": (), "1.5": _STEPS},
         "1.6": _IN_SWEEPS,
         "1.7": (),
     },
     MEASUREMENT: {
         **{"1.0": (), "1.1": (), "1.2": ("row_number", "complete", "held_out", "matter", "input_uncertainty")},
         "1.3": ("impactor_angle", "impactor_spin", *OBLIQUE),
+        "1.4": FORCE_INTERVAL,
     },
     BOUNCES: {"1.0": ()},
     CHAIN: {"1.0": ()},
@@ -201,6 +199,7 @@ _MEASURED_HISTORY = (
         number(name, ("t",), dimension, f"measured {spaced(name)}", f"{what}; {_ABSENT}", True)
         for name, (dimension, what) in MEASURED_MOTION.items()
     ),
+    *IDENTIFIED,
 )
 
 _MEASURED_IMPACTS = (
@@ -281,6 +280,7 @@ TABLE: dict[str, tuple[Variable, ...]] = {
     f"{HISTORY} contacts": CONTACTS,
     f"{HISTORY} sliding": IN_STEPS,
     f"{HISTORY} sensors": SENSED,
+    f"{HISTORY} strains": STRAINED,
     SWEEP: _SWEEP,
     f"{SWEEP} segments": _SWEEP_SEGMENTS,
     f"{SWEEP} steps": (*STEP_PLACES, *STEPS),
@@ -344,7 +344,7 @@ def variables_of(ds: xr.Dataset) -> tuple[Variable, ...]:
     if kind == HISTORY:
         constants += tuple(v.over(()) for v in (SCENE_KEY,) if v.name in ds.variables)
     if kind in (HISTORY, BOUNCES, CHAIN, COST):
-        own = ("steps", "friction", "contacts", "sliding", "sensors") if kind == HISTORY else ()
+        own = ("steps", "friction", "contacts", "sliding", "sensors", "strains") if kind == HISTORY else ()
         more = [v for word in own if has(ds, word) for v in TABLE[f"{HISTORY} {word}"]]
         return (*(v for v in (*TABLE[kind], *more) if v.name not in later), *constants)
     swept = swept_variables(str(ds.attrs.get("swept", "")).split(), ds)
@@ -356,7 +356,7 @@ def variables_of(ds: xr.Dataset) -> tuple[Variable, ...]:
 
 
 def has(ds: xr.Dataset, part: str) -> bool:
-    """Whether a history has any of the variables of a part: "steps", "friction", "contacts", "sliding", "sensors".
+    """Whether a history has any of the variables of a part, such as "steps" or "sensors".
 
     Some names are in two parts, with other dimensions.
     """

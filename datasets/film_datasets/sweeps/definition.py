@@ -25,7 +25,7 @@ from film_datasets.sweeps.distributions import correlated, correlation_factor
 from film_model.base.arrays import Index
 from film_model.base.errors import Mistake, SceneError, did_you_mean, raise_all, shown
 from film_model.effects.edge_effects import edged
-from film_model.problem.law_of_scene import DAMPED, ELASTIC, YIELDING
+from film_model.problem.law_of_scene import DAMPED, ELASTIC, POWER, YIELDING
 from film_model.problem.summary import SUMMARY
 from film_model.scene import Scene
 from film_model.scene.columns import scene_of_columns
@@ -169,8 +169,12 @@ class Sweep:
     @cached_property
     def laws(self) -> tuple[str, ...]:
         """Names of the contact laws that may occur, in the order of the flags of `law`."""
-        auto, contacts = (ELASTIC, YIELDING, DAMPED), (scene.contact for scene in self._used_scenes)
-        names = (name for one in contacts for name in (auto if one.law == "auto" else (one.law_name,)))
+        auto = {True: (ELASTIC, YIELDING, DAMPED), False: (POWER,)}
+        names = (
+            name
+            for scene in self._used_scenes
+            for name in (auto[scene.nose is None] if scene.contact.law == "auto" else (scene.contact.law_name,))
+        )
         return tuple(dict.fromkeys(names))
 
     @cached_property
@@ -184,7 +188,8 @@ class Sweep:
         swept = tuple(axis.variable((axis.name,) if self.design == GRID else ("impact",)) for axis in self.axes)
         constants = (variable for variable in CONSTANTS if variable.name in self.constants)
         slopes = (derivative_variables(e.path, _cf_unit(e), self.chosen, self.dims) for e in self.derivatives)
-        peaks = peak_variables(sensor_words(self.sensors), self.dims)
+        strained = any(sensor.strain for scene in self._used_scenes for sensor in scene.target.sensors or ())
+        peaks = peak_variables(sensor_words(self.sensors), self.dims, strained)
         own = sweep_variables(self.kept, self.chosen, self.dims)
         return (*swept, *own, *itertools.chain(*slopes), *peaks, *constants)
 

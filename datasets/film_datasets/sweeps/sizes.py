@@ -71,7 +71,7 @@ def _of_sample(sweep: Sweep, own: int) -> Size:
     values = [np.concatenate(axis) for axis in zip(*(sweep.values(place, 1) for place in places), strict=True)]
     try:
         columns = compute_impacts(sweep, values)
-    except (SimulationError, ValueError):  # none of them has a result, and so none a motion
+    except (SimulationError, ValueError):  # no impact has a result, so none has a motion
         return Size(own, rows=dict.fromkeys(dims, 0.0))
     sizes = {dim: sum(columns[name].nbytes for name in fields_of(dim)) for dim in dims}
     rows = {dim: len(columns[next(iter(fields_of(dim)))]) / count for dim in dims}

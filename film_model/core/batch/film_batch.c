@@ -13,7 +13,7 @@ const block_routines *film_routines(int instructions) { return routines[instruct
 
 /* ---------------------------------------------------------------- sorting */
 
-/* Makes the own stages of a block that should turn in `piece`. */
+/* Makes each lane's stages for a block that should turn in `piece`. */
 static void make_own(batch *b, const block *waiting, int32_t piece) {
     double of[FILM_MAX_NODES][LANES];
     film_own_factors(&b->j, waiting->index, waiting->count, of);
@@ -28,7 +28,7 @@ static void run_fixed(batch *b, int32_t stage, block *waiting) {
     waiting->count = 0;
 }
 
-/* A block to the turn, and out. */
+/* Runs a block to the turn and to the end of contact. */
 static void run_block(batch *b, int32_t stage, block *waiting) {
     if (waiting->count > 0 && stage == b->j.shaped) make_own(b, waiting, (int32_t)(waiting - b->moving));
     run_moving(b, stage, waiting);
@@ -54,7 +54,7 @@ void film_prepare_pieces(batch_job *j) {
         }
 }
 
-enum { FEW = 4 }; /* impacts that one by one take less time than a block of them */
+enum { FEW = 4 }; /* up to so many impacts are faster one by one than as a block */
 
 /* A block that is not full. */
 static void run_few(batch *b, int32_t stage, block *waiting) {
@@ -92,8 +92,8 @@ static void give(batch_job *j, const film_curve *curve, const film_mesh *mesh, c
     j->shaped = -1;
 }
 
-/* Gives each impact to its block, and runs those that are full; of those under a load, which lanes may run, only if j->loaded, and
- * no others then. Returns the number of those that are left for the other time. */
+/* Puts each impact into its block and runs full blocks. One call takes the undamped impacts under a load that lanes may run
+ * (j->loaded), the other the rest. Returns how many are left for the other call. */
 static int64_t sort_impacts(batch *b, int64_t count, int in_lanes, int moving) {
     batch_job *j = &b->j;
     int64_t others = 0;
@@ -177,7 +177,7 @@ void film_batch_shaped(int instructions, const film_family *family, const film_c
     film_impacts_left(family, whole, mesh, count, start, shape, summary, status); /* its curve needs stack too */
 }
 
-enum { WORTH_ASKING = 2000 }; /* impacts, for the microseconds that film_instructions may take */
+enum { WORTH_ASKING = 2000 }; /* impacts that are worth the microseconds of film_instructions */
 
 void film_batch(const film_curve *curve, const film_mesh *mesh, int64_t count, const film_start *start,
                 film_summary *summary, int32_t *status) {

@@ -8,7 +8,7 @@
 const block_routines *film_routines(int instructions);
 
 /* One impact as a row of film_batch; on a fixed target whole pieces are crossed by quadrature. 0: lanes cannot run it, or
- * should not. */
+ * would be slower. */
 int film_single(const film_curve *curve, const film_mesh *mesh, const film_start *start, film_summary *summary, int32_t *status);
 
 /* Contacts in series with springs, as in film_batch_in_series, whose curves vary, one after another; LEFT_ALONE: lanes cannot run
@@ -26,8 +26,9 @@ void film_run_rows(int instructions, const film_family *family, const film_curve
 void film_impacts_left(const film_family *family, const film_curve *whole, const film_mesh *mesh, int64_t count,
                        const film_start *start, const double *shape, film_summary *summary, int32_t *status);
 
-/* Laws with a shape: film_batch_shape.c. Prepares the last stage; the piece in which an impact should
- * turn that begins the last stage at v, with `stored` work done, -1: none that lanes may use; the factors of a block. */
+/* Laws with a shape: film_batch_shape.c. film_own_stage prepares the last stage; film_own_piece gives the piece in which an
+ * impact should turn that enters the last stage at v after `stored` work, -1 if lanes cannot run it; film_own_factors gives
+ * the factors of a block. */
 void film_own_stage(batch_job *j, own_stage *own);
 int32_t film_own_piece(const batch_job *j, int64_t i, double v, double stored);
 void film_own_factors(const batch_job *j, const int64_t *index, int count, double (*of)[LANES]);

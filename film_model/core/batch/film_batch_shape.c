@@ -60,7 +60,7 @@ void film_own_stage(batch_job *j, own_stage *own) {
     j->shaped = stage;
 }
 
-/* Lanes must not come near the end of their law: the piece behind the one in which they should turn has to be theirs too. */
+/* Lanes must not come near the end of their law: lanes need the next piece after the one in which they should turn, too. */
 int32_t film_own_piece(const batch_job *j, int64_t i, double v, double stored) {
     const film_family *family = j->family;
     double of[FILM_MAX_NODES], end, nu = j->start[i].nu, gamma = j->start[i].gamma;

@@ -1,5 +1,5 @@
 /* One impact by the lanes' code for a block of one: on a target that moves, or in series with a spring, the same operations in
- * the same order, so the same bits as in a batch; on a fixed one without what only many impacts are worth.
+ * the same order, so the same bits as in a batch; on a fixed one without the series that pay only for many impacts.
  * docs/method.md, section 10. */
 #define FILM_LANES 1
 #define FILM_ROUTINES one_lane
@@ -32,7 +32,7 @@ static void look_at_end(batch_job *j, int32_t p) {
     *work = reach * of_mean - piece->work_at_begin;
 }
 
-/* One impact on a fixed target: the law is looked at only as far as the turn. */
+/* One impact on a fixed target: the law is evaluated only as far as the turn. */
 static int run_fixed(batch_job *j, double nu) {
     const film_curve *curve = j->curve;
     const int64_t only = 0;

@@ -210,8 +210,8 @@ int film_factors(const film_family *family, const double *shape, double *of, dou
 /* film_shape_at, without the pieces that begin where the work of the last stage exceeds `energy`: that stage then ends there. */
 int film_shape_up_to(const film_family *family, const film_curve *whole, const double *shape, double energy, film_curve *curve);
 
-/* Whether a leg outwards that begins under this force is pulled all the way: it does not creep, and takes FILM_COSINE. Cost and
- * accuracy only: a ball that leaves crosses it at a speed. */
+/* Whether a leg outwards that begins under this force is pulled all the way: it does not creep, and takes FILM_COSINE. Affects
+ * cost and accuracy only: a ball that leaves is not at rest there. */
 static inline int film_is_pulled(double force, double pull) { return pull > 0.0 && force <= 1e-6 * pull; }
 
 /* atan(sqrt z)/sqrt z, and its continuation atanh(sqrt -z)/sqrt -z for z < 0; its power series around 0. */

@@ -52,9 +52,9 @@ static void works_at(const film_piece *piece, const double *restrict xi, double 
     for (int i = 0; i < PLACES; i++) work[i] = x[i] * (0.5 * z[i] * a[i] - before[i] + term[0]) - piece->work_at_begin;
 }
 
-/* The time across a whole piece over its length and 1/v, a function of the margin, the velocity at the end over v, alone:
- * fitted by a Chebyshev series from 0 to 1. Gauss's rule as on a run that turns where force and slope at the end would stop it,
- * beyond: so no root comes near the end. ratio: length over that way; root: s^2 at the end. */
+/* The time across a whole piece, over length/v, depends on the margin alone, the velocity at the end over v: a Chebyshev
+ * series over 0 .. 1. Its values are by Gauss's rule on the way to where force and slope at the end would stop the motion,
+ * beyond the piece, so that no root lies near the end. ratio: length over that way; root: s^2 at the end. */
 static void fit_crossing(const batch_job *j, int32_t p, const fixed_piece *own, crossing *across) {
     const film_piece *piece = &j->curve->piece[p];
     double length = piece->end - own->begin, whole = own->whole, end_force = j->piece_force[p], slope = slope_at(&piece->force, piece->end);

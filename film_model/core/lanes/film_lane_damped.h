@@ -5,7 +5,7 @@
 
 #include "lanes/film_lane_law.h"
 
-/* Terms of the polynomials beyond the constant. Cost only: with more terms steps are longer. */
+/* Terms of the polynomials beyond the constant. Affects cost only: with more terms steps are longer. */
 enum { TERMS = 12 };
 
 /* Length of a step over the radius within which the terms fall: RADIUS over the segments of a leg. The error of a step is about

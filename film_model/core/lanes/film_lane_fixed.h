@@ -63,7 +63,7 @@ static void run_law_to_turn(const batch_job *j, int32_t stage, int32_t p, double
 
 /* The depth at which the work of a stage is `work`, in a piece that ends: steps of third order in a bracket, from the depth on
  * a line that does the work of the piece and meets the force at its end. The slope is that of this line, then between the last
- * two places: so of a step of 3e-7 of the depth, rounding is left. */
+ * two places: so that after a step of 3e-7 of the depth only rounding is left. */
 static void depth_in_piece(const batch_job *j, int32_t p, const fixed_piece *own, const double *restrict work,
                            double *restrict depth) {
     const film_piece *piece = &j->curve->piece[p];

@@ -7,12 +7,12 @@
 
 #include "march/film_line.h"
 
-/* Up to where the polynomials of ten and of twenty terms are used, in units of the line's own time: see terms. Accuracy
- * only, on meshes of a few segments: beyond, film_line.h is used. Of core_check.c only the hash sees it. */
+/* Up to where the polynomials of ten and of twenty terms are used, in units of the line's own time: see terms. Affects
+ * accuracy only, on meshes of a few segments (beyond, film_line.h is used): changes the recorded hash, fails no check. */
 static const double REACH = 0.8, FAR_REACH = 3.6;
 
-/* Longest correction of a line's time, as a fraction of it: the correction errs by its fourth power, 1e-6. Accuracy only:
- * of core_check.c only the hash sees it. */
+/* Longest correction of a line's time, as a fraction of it: the correction errs by its fourth power, 1e-6. Affects accuracy
+ * only: changes the recorded hash, fails no check. */
 static const double LONGEST_STEP = 0.03;
 
 /* x and y = x' after tau on a line, y'' = -a2 y' - k y, b = -a2 tau, c = -k tau^2: Taylor polynomials, whose terms

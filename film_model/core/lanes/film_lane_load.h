@@ -7,7 +7,7 @@
 #include "lanes/film_lane_taylor.h"
 
 enum { AIM_STEPS = 8 };
-static const double AIM_TOLERANCE = 5e-3; /* fraction of the energy: less than the error of turn_excess. Cost only */
+static const double AIM_TOLERANCE = 5e-3; /* fraction of the energy: less than the error of turn_excess. Affects cost only */
 
 /* Along a loading stage towards aim, up to the node before it. nodes NULL: those of a trial. */
 static void run_towards(batch_job *j, int32_t stage, int32_t segments, const double *nodes, const double *restrict aim,

@@ -35,7 +35,7 @@ static void put_line(sampled *s, int l, const film_line *line, double time) {
     s->kappa0[l] = line->kappa;
 }
 
-/* motion_at: in lanes where the series serves. */
+/* motion_at: in lanes where the series is accurate enough. */
 static void move_lanes(sampled *restrict s) {
     double b[LANES], c[LANES], before[LANES], last[LANES], small[LANES], going[LANES], unfit[LANES];
     EACH(l) {

@@ -1,6 +1,6 @@
 /* Blocks of impacts on fixed targets, each in series with a spring of its own: energy gives the velocity for every
- * indentation, v^2/2 = E - W - c f^2/2, so that nothing is inverted but at the turn; times are integrals of (1 + c f')/v, by
- * Gauss's rule. Internal to film_lanes.c. docs/method.md, sections 8 and 10. */
+ * indentation, v^2/2 = E - W - c f^2/2, so that only the turn needs the inverse of the law; times are integrals of (1 + c
+ * f')/v, by Gauss's rule. Internal to film_lanes.c. docs/method.md, sections 8 and 10. */
 #ifndef FILM_LANE_SPRING_H
 #define FILM_LANE_SPRING_H
 
@@ -36,8 +36,8 @@ static void law_and_slope_lanes(const batch_job *j, int32_t stage, int32_t p, co
     }
 }
 
-/* Across the whole of a piece, as on a run that turns where force and slope at the end would stop it, beyond: so no root comes
- * near the end. */
+/* Across a whole piece, by Gauss's rule on the way to where force and slope at its end would stop the motion, beyond it, so
+ * that no root lies near the end. */
 static void cross_in_series(const batch_job *j, int32_t stage, int32_t p, spring_block *b) {
     fixed_piece own = piece_of(j, stage, p);
     double length = j->curve->piece[p].end - own.begin, force = j->piece_force[p], slope = slope_at(&j->curve->piece[p].force, j->curve->piece[p].end);

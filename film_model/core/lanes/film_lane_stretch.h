@@ -4,8 +4,8 @@
 
 #include "lanes/film_lane_line.h"
 
-/* The largest error, as a fraction of the force, that stretch_lanes corrects by one Newton step: its closed form is of JKR's
- * law, of which only rounding and the fit are left. Lanes with a larger one, of another law, are left to film_marched. */
+/* The largest error, as a fraction of the force, that stretch_lanes corrects by one Newton step: its closed form is that of
+ * JKR's law, so only rounding and the fit remain. Lanes of another law have a larger one and are left to film_marched. */
 static const double STRETCH = 1e-9;
 
 /* FILM_SIMILAR: r and l of each lane, and the dent xi_f. */

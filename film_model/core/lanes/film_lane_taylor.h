@@ -6,7 +6,7 @@
 #include "lanes/film_lane_law.h"
 
 /* Terms of the polynomials; the macros below are for this many. Lanes of a group, whose polynomials fit into the nearest
- * cache. Cost only. */
+ * cache. Affects cost only. */
 enum { WAY_TERMS = 12, GROUP = LANES < 8 ? LANES : 8 };
 
 /* Length of a step over the radius within which the terms fall: WAY_RADIUS over the segments of a leg, but at least
@@ -20,7 +20,7 @@ static const double TURN_SETTLED = 1e-4; /* the last of them, as a fraction of t
 
 #define EACH_OF(l) for (int l = 0; l < GROUP; l++)
 
-/* DO(1) ... DO(last), last < 12. Where last is a constant, nothing of the choice is left, and terms stay in registers. */
+/* DO(1) ... DO(last), last < 12. If `last` is a constant, the compiler removes the choice and keeps the terms in registers. */
 #define UP_TO(last, DO)                                                                                                  \
     if ((last) >= 1) { DO(1) } if ((last) >= 2) { DO(2) } if ((last) >= 3) { DO(3) } if ((last) >= 4) { DO(4) }          \
     if ((last) >= 5) { DO(5) } if ((last) >= 6) { DO(6) } if ((last) >= 7) { DO(7) } if ((last) >= 8) { DO(8) }          \

@@ -8,7 +8,7 @@
 #include "lanes/film_lane_stretch.h"
 
 /* Below this fraction of the way that is left, a mean force, a difference of works, is rounding, and the cubic's guess is as
- * good. Accuracy only, below the lines' error. */
+ * good. Affects accuracy only, by less than the lines' error. */
 static const double SHORT_WAY_OUT = 1e-4;
 
 /* ---------------------------------------------------------------- when the impactors stop */

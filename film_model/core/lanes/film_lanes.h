@@ -9,7 +9,7 @@
 /* For film_batch_shaped and film_batch_in_series: an impact that lanes cannot run. */
 enum { LEFT_ALONE = 100 };
 
-/* Leaves an impact to film_marched: at once, or when the curve of its shape or in series with its spring is made. */
+/* Leaves an impact to film_marched: at once, or later, when its curve (of its shape, or in series with its spring) is made. */
 static inline void leave_alone(const batch_job *j, int64_t i) {
     j->status[i] = j->family != NULL || j->spring != NULL ? LEFT_ALONE : film_marched(j->curve, j->mesh, &j->start[i], &j->summary[i]);
 }
@@ -27,8 +27,8 @@ static inline double turn_excess(double work, double force, double nu, double ga
     return work + push * (0.79 * nu - 0.27 * push) - 0.5 * nu * nu;
 }
 
-/* No damping, no load on a fixed target or of a law that pulls, and no time limit but of a load or a pull, under which contact
- * may never end. */
+/* No damping; a load only on a moving target under a law that does not pull; a time limit only with a load or a pull, under
+ * which contact may never end. */
 static inline int is_free(const film_curve *curve, const film_start *start) {
     int loaded = start->load > 0.0 && start->load < INFINITY && start->gamma > 0.0 && curve->pull == 0.0;
     int limited = start->time_limit < INFINITY && curve->pull == 0.0 && !loaded;
@@ -68,7 +68,8 @@ static inline int turns_elastically(const batch_job *j, double nu, double gamma)
     return 2.0 * j->whole[0] / (nu * nu) >= largest_share(place, (int)place);
 }
 
-/* turn_excess at the end of stage k, but right where the table of the first stage tells; stored: work of the stages before. */
+/* turn_excess at the end of stage k; near 0, the exact answer of the first stage's table, if there is one. stored: work of the
+ * stages before. */
 static inline int turns_within(const batch_job *j, int32_t k, double stored, double nu, double gamma) {
     double excess = turn_excess(stored + j->whole[k], j->end_force[k], nu, gamma);
     int near = fabs(excess) < 0.05 * nu * nu; /* more than turn_excess errs by up to PUSH_END */

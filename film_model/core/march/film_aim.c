@@ -2,8 +2,8 @@
  * towards that point, and the last line must meet the law's force there. Where the impactor stops. docs/method.md, section 5. */
 #include "march/film_march.h"
 
-/* A trial leg only places the nodes of the next, so its turn is sought to this fraction of its last line. Cost only: another
- * value moves the nodes, and the results by less than the lines' error. */
+/* A trial leg only places the nodes of the next, so its turn is sought to this fraction of its last line. Affects cost only:
+ * another value moves the nodes, and results by less than the lines' error. */
 static const double TRIAL_TOLERANCE = 1e-2;
 
 enum { BALANCE_HALVINGS = 100 };
@@ -176,7 +176,7 @@ void film_end_at_stop(const film_curve *curve, const film_mesh *mesh, film_state
 }
 
 /* On the way out under a load, nu falls until the force has fallen to the load and rises afterwards: it may pass stop_velocity
- * twice on one line, whose end does not tell. Ends the line where it passes first. docs/method.md, section 5. */
+ * twice within one line, which its end does not show. Ends the line at the first pass. docs/method.md, section 5. */
 void film_end_at_dip(const film_curve *curve, const film_mesh *mesh, film_state *s) {
     motion m = motion_on(s, s->line.phi, s->line.kappa);
     film_state whole = *s;

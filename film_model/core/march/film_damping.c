@@ -1,4 +1,5 @@
-/* Damping: the true force with it, what it adds to a line, when it lets go and touches. docs/method.md, section 7. */
+/* Damping: the damped force, what damping adds to a line, and when a damped contact ends and begins. docs/method.md, section
+ * 7. */
 #include "march/film_march.h"
 
 /* ---------------------------------------------------------------- the true force */
@@ -27,8 +28,8 @@ double film_force_rate(const film_curve *curve, const film_state *s, double xi, 
 
 /* ---------------------------------------------------------------- the damping of a line */
 
-/* The mean of the law's c over the next h, weighted with y^2 of a speed that goes evenly in time from y0 to y1: held
- * constant, it dissipates as much as c. Where c may begin as a root, the rule's steps are taken to the fourth power.
+/* The mean of the law's c over the next h, weighted with y^2 of a speed that changes linearly in time from y0 to y1: as a
+ * constant it dissipates as much as c. Where c may begin as a root, the rule's steps are taken to the fourth power.
  * docs/method.md, section 7. */
 static double mean_damping(const film_curve *curve, const film_state *s, double h, double y0, double y1) {
     double sum = 0.0, weights = 0.0, per_way = 2.0 / (y0 + y1);
@@ -57,7 +58,7 @@ void film_add_damping(const film_curve *curve, const film_mesh *mesh, film_state
     s->line.damping = mean;
     /* too long to trust the end speeds: the tilt could add energy, so damping stays constant */
     if (plain || mesh->linearisation == FILM_CHORD || mean * fabs(h) > 0.5 * fmax(y0, y1) || per_length(s, h) == 0.0) return;
-    double speed = 2.0 / 3.0 * (y0 * y0 + y0 * y1 + y1 * y1) / (y0 + y1); /* mean over the way, of a speed even in time */
+    double speed = 2.0 / 3.0 * (y0 * y0 + y0 * y1 + y1 * y1) / (y0 + y1); /* mean over the way, for a speed linear in time */
     if (y0 == 0.0 || y1 == 0.0) {
         at = y0 == 0.0 ? c0 : c1;
         tilt = (y0 == 0.0 ? 2.0 : -2.0) * d * (mean - at) * speed / h;

@@ -134,8 +134,9 @@ static int turn(const film_curve *curve, film_state *s) {
     return status;
 }
 
-/* To the next stage, or from a branch back to the loading curve. outwards: the force pushed the impactor out up to here, so
- * nu <= gamma before. If the force now is lower, but by rounding only, nu <= gamma elastic, or rounding would turn it back. */
+/* To the next stage, or from a branch back to the loading curve. outwards: the force pushed the impactor out up to here, so nu
+ * <= gamma f with the f before. If the f after it is lower by rounding only, nu is bounded by that one, because rounding would
+ * turn the motion back. */
 static int change_stage(const film_curve *curve, film_state *s, int outwards) {
     double before = s->elastic;
     s->event = FILM_STAGE_CHANGES;

@@ -168,7 +168,7 @@ static int impact_by_energy(const film_curve *curve, const film_mesh *mesh, cons
 }
 
 /* A turn counts as deeper than those before only beyond this factor: a contact that swings on its weight turns at the same
- * depth again and again, but for rounding. Needed by tests/test_one_and_many.py. */
+ * depth again and again, to rounding. Needed by tests/test_one_and_many.py. */
 static const double DEEPER = 1.0 + 1e-10;
 
 static void clear_summary(film_summary *summary) {

@@ -2,8 +2,8 @@
 #include "march/film_march.h"
 
 /* A leg that arrives at the turn it was aimed at with less than this fraction of its last line's first speed has turned: the
- * energy left, 1e-12, is rounding. After a faster arrival the rest is planned afresh. Cost only: with 0 legs are planned for
- * rounding, too. */
+ * energy left, 1e-12, is rounding. After a faster arrival the rest is planned afresh. Affects cost only: with 0, rounding
+ * plans extra legs. */
 static const double TURN_SPEED = 1e-6;
 
 /* A way to the turn below this fraction of the depth is mostly rounding, so the motion turns under a constant force instead.
@@ -11,7 +11,7 @@ static const double TURN_SPEED = 1e-6;
 static const double SHORT_WAY_TO_TURN = 1e-9;
 
 /* A line whose end dips below zero force by more than this fraction of the force at its start would hold the contact shut.
- * Cost only: with 0 some lines are halved for a dip of rounding. */
+ * Affects cost only: with 0, some lines are halved because rounding makes them dip. */
 static const double DIP = 1e-12;
 
 /* A leg was aimed at a turn that the motion passes: if the run ends farther ahead than so many times the rest of the leg, the
@@ -36,7 +36,7 @@ static int end_never(film_state *s) {
     return FILM_OK;
 }
 
-/* The rest of the way out is rounding, and nothing pushes back in: at once to the end of the run. */
+/* The rest of the way out is rounding, and nothing pushes back in: go to the end of the run at once. */
 static int pass_to_limit(const film_curve *curve, film_state *s) {
     film_end_here(s, ENDS_EDGE);
     s->xi_end = run_limit(curve, s);

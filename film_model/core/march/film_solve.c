@@ -1,4 +1,4 @@
-/* One contact to an accuracy: segments are doubled until meshes agree. docs/method.md, section 4. */
+/* One contact to an accuracy: segments are doubled until meshes agree. docs/method.md, section 12. */
 #include "march/film_solve.h"
 
 #include <math.h>

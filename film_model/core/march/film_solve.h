@@ -1,4 +1,4 @@
-/* Errors of contacts on meshes, and one contact to an accuracy. docs/method.md, section 4. */
+/* Errors of contacts on meshes, and one contact to an accuracy. docs/method.md, section 12. */
 #ifndef FILM_SOLVE_H
 #define FILM_SOLVE_H
 
@@ -14,10 +14,10 @@ FILM_API void film_compare(int64_t count, const film_start *start, const film_su
 FILM_API void film_rounding(const film_curve *curve, int64_t count, const film_start *start, const film_summary *summary,
                             double clearance, double *off);
 
-/* bound[i]: on the error of fine[i] on `mesh`, from off[i] = film_compare of coarse[i], on a mesh of half as many segments. before[i]:
- * the same of that mesh and of one still coarser, or 0. by_three: whether three meshes judge; two may agree by chance where they are
- * coarse. film_bound_coarse: on the error of coarse[i] on `mesh`, from its difference to a mesh of twice as many segments. Both
- * without rounding. docs/method.md, section 4. */
+/* bound[i]: on the error of fine[i] on `mesh`, from off[i] = film_compare of coarse[i], on a mesh of half as many segments.
+ * before[i]: the same of that mesh and of one still coarser, or 0. by_three: whether three meshes judge; two may agree by
+ * chance where they are coarse. film_bound_coarse: on the error of coarse[i] on `mesh`, from its difference to a mesh of twice
+ * as many segments. Both without rounding. docs/method.md, section 12. */
 FILM_API void film_bound_fine(const film_mesh *mesh, int by_three, int64_t count, const film_start *start, const film_summary *coarse,
                               const film_summary *fine, const double *off, const double *before, double *bound);
 FILM_API void film_bound_coarse(const film_mesh *mesh, int64_t count, const film_start *start, const film_summary *coarse,

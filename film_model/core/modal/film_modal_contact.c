@@ -3,7 +3,8 @@
 
 #include <string.h>
 
-/* The error of a step of twice the duration over that of this one: a longer step is tried if it can be expected to serve. */
+/* The error of a step of twice the duration over that of this one: a longer step is tried if its error can be expected to meet
+ * the tolerance. */
 static const double GROWTH = 40.0;
 
 /* The end of a step at an event is sought to this fraction of the march's unit of time, or to CUT_SHARE of the tolerance. */

@@ -66,9 +66,9 @@ static double meeting(const film_modal *s, double x, double v, double a, double 
 }
 
 /* A time before which the modes cannot bring the struck point to the impactor under a load; at least `enough`, if that is
- * easily shown; INFINITY if never. A mode moves by at most its amplitude A, and from w with the velocity u by at least
- * u t - omega^2 A t^2/2. The latter serves slow modes, whose amplitudes may be beyond all the rest: without a load, an impactor
- * that leaves them behind is out of reach. */
+ * easily shown; INFINITY if never. A mode moves by at most its amplitude A, and from w with the velocity u by at least u t -
+ * omega^2 A t^2/2. The latter is for slow modes, whose amplitudes may be beyond all the rest: without a load, an impactor that
+ * leaves them behind is out of reach. */
 static double earliest(const film_structure *structure, const film_modal *s, const double *waves, double load, double enough) {
     int32_t n = structure->modes, i;
     double x = s->x, v = s->v, a = load / (s->unit * s->unit), reach = s->reach;

@@ -43,7 +43,7 @@ static const double BENT[BENDS][BENDS] = {
 
 /* ---------------------------------------------------------------- the law */
 
-/* The elastic force and its slope, of one power where they are that: a root or pow() then serves both. */
+/* The elastic force and its slope, of one power where the law is one: one root or pow() then gives both. */
 static film_at elastic_on(const film_line *line, const film_piece *piece, double xi) {
     film_at at = {0.0, 0.0, 0.0};
     double work;
@@ -157,8 +157,8 @@ static void end_modes(const film_structure *structure, const film_table *table, 
     s->end_rate = sums[1];
 }
 
-/* Solves four equations by elimination; a[i][NODES] is the right side. 0 if a pivot is 0 or not finite. The order of the
- * equations serves: as the step becomes short the matrix becomes diagonal, and Gauss's collocation has positive pivots. */
+/* Solves four equations by elimination; a[i][NODES] is the right side. 0 if a pivot is 0 or not finite. No pivoting is needed:
+ * as the step becomes short the matrix becomes diagonal, and Gauss's collocation has positive pivots. */
 static int solve_four(double a[NODES][NODES + 1], double x[NODES]) {
     double per[NODES];
     for (int k = 0; k < NODES; k++) {

@@ -14,7 +14,7 @@ static const double SLOW = 1e-7;      /* D' over approach, below which all is pr
 static const double SMALLEST = 1e-6;  /* depth, over D' over approach, below which nothing has stuck that matters */
 static const double AT_TURN = 1e-11;  /* z' over approach: no time to stick before the turn; test at psi1 = 2 chi */
 static const double SAME = 1e-12;     /* depths, relative, between which no piece of the path fits */
-static const double SINGULAR = 1e-7;  /* U over approach: what is left of the piece changes P by its square */
+static const double SINGULAR = 1e-7;  /* U over approach: the rest of the piece changes P by the square of this */
 
 /* A piece of the path. end: where it ends; on a stuck piece with nu and D' there. slope: of a straight one. */
 typedef struct {

@@ -7,14 +7,22 @@
 #ifndef FILM_SLIDE_H
 #define FILM_SLIDE_H
 
+#include "modal/film_modal.h"
+#include "oblique/film_friction.h"
 #include "oblique/film_springs.h"
 
-enum { FILM_MOST_SLIDE_STEPS = 1000000 /* in one call */ };
+enum {
+    FILM_MOST_SLIDE_STEPS = 1000000, /* in one call */
+    FILM_SLIDE_EVENTS = 32           /* in one call; later ones are left out */
+};
 
 /* No pointer: copying it saves it. impulse: of the friction force. work: done on the motion along the surface
- * by that force, what the springs store included. */
+ * by that force, what the springs store included. phase: of FILM_STICKS .. FILM_SLIDES in film_friction.h, or -1 without contact.
+ * begins, kinds: of the `events` phases that began in the last call, after so much of its time; FILM_REVERSES is slip with another
+ * sign. */
 typedef struct {
-    double impulse, work;
+    double impulse, work, passed, begins[FILM_SLIDE_EVENTS];
+    int32_t kinds[FILM_SLIDE_EVENTS], events, phase, sign, cut, partly, reserved;
     film_springs springs;
 } film_sliding;
 
@@ -22,8 +30,14 @@ typedef struct {
 FILM_API int film_slide_init(film_sliding *sliding, double friction, double mass, double velocity);
 
 /* From a state of the normal motion on by dt, in which only its end may be an event: FILM_OK, FILM_TOO_MANY steps, or what
- * film_step fails with. */
-FILM_API int film_slide(const film_curve *curve, const film_mesh *mesh, const film_state *from, double dt, film_sliding *sliding);
+ * film_step fails with. friction, rows: as in film_springs.h; 0 rows: that of film_slide_init. */
+FILM_API int film_slide(const film_curve *curve, const film_mesh *mesh, const film_state *from, double dt, const double *friction,
+                        int32_t rows, film_sliding *sliding);
+
+/* Both motions forward, the normal one as film_modal_step, to the last bit, and with its status, on a structure whose surface does
+ * not move along itself; or FILM_TOO_MANY steps in one of the structure's. dt: in its unit. */
+FILM_API int film_slide_on_modes(film_structure *structure, const film_curve *curve, film_modal *state, double *waves, double dt,
+                                 const double *friction, int32_t rows, film_sliding *sliding);
 
 /* sizeof film_sliding. */
 FILM_API int64_t film_slide_size(void);

@@ -48,6 +48,11 @@ void film_springs_step(film_springs *state, double time, double force, double ra
      * evenly, as the indentation of a sphere does */
     double grown = fmax(square - state->radius * state->radius, 0.0);
     for (int32_t j = old; j < touch; j++) state->u[j] -= moved * fmax(1.0 - (square - width * (j + 0.5) * (j + 0.5)) / grown, 0.0);
+    state->cut = 0;
+    for (int32_t j = 0; state->watched && j < touch; j++) {
+        double r = j + 0.5, most = (square - width * r * r) * per_share, u = state->u[j] + moved;
+        state->cut += (u > most) - (u < -most);
+    }
     for (int32_t j = 0; j < touch; j++) { /* comparisons that compilers turn into vectors; sums apart, in order */
         double r = j + 0.5, most = (square - width * r * r) * per_share, u = state->u[j] + moved;
         u = u < -most ? -most : u;
@@ -60,37 +65,49 @@ void film_springs_step(film_springs *state, double time, double force, double ra
     state->radius = radius;
 }
 
+int32_t film_springs_touching(const film_springs *state) { return touching(state, state->radius); }
+
 double film_springs_energy(const film_springs *state) {
     double sum = 0.0;
     for (int32_t j = 0; j < state->count; j++) sum += state->u[j] * state->u[j];
     return 0.5 * state->stiffness * sum;
 }
 
-void film_springs_follow(film_springs *state, double time, int64_t steps, const double *force, const double *radius,
-                         double *velocity, double *friction) {
-    for (int64_t i = 0; i < steps; i++) {
-        film_springs_step(state, time, force[i], radius[i]);
-        velocity[i] = state->v;
-        friction[i] = state->q;
-    }
+double film_friction_at(const double *table, int32_t rows, double speed) {
+    int32_t k = 0;
+    while (k < rows && table[2 * k] <= speed) k++;
+    if (k == 0) return table[1];
+    const double *low = table + 2 * (k - 1);
+    return k == rows ? low[1] : low[1] + (low[3] - low[1]) * ((speed - low[0]) / (low[2] - low[0]));
 }
 
-int film_springs_impact(int32_t count, double modulus, double friction, double mass, double velocity, double time, int64_t steps,
-                        const double *force, const double *radius, film_springs_impact_result *result) {
+void film_springs_take(film_springs *state, double time, const double *table, int32_t rows) {
+    if (rows > 0) state->friction = film_friction_at(table, rows, fabs(state->v + time * (state->push - state->q / state->mass)));
+}
+
+int film_springs_impact(int32_t count, double modulus, double mass, double velocity, const double *friction, int32_t rows, double time,
+                        int64_t steps, const double *force, const double *radius, film_springs_impact_result *result,
+                        double *velocities, double *forces) {
     film_springs fine, coarse;
-    double largest = 0.0;
+    double largest = 0.0, limits = 0.0, used = 0.0;
     for (int64_t i = 0; i <= steps; i++) largest = fmax(largest, radius[i]);
     *result = (film_springs_impact_result){.velocity = velocity};
-    if (film_springs_init(&fine, count, modulus, largest, friction, mass, velocity) != FILM_OK) return FILM_BAD_NUMBER;
-    if (film_springs_init(&coarse, count / 2, modulus, largest, friction, mass, velocity) != FILM_OK) return FILM_BAD_NUMBER;
+    if (film_springs_init(&fine, count, modulus, largest, friction[1], mass, velocity) != FILM_OK) return FILM_BAD_NUMBER;
+    if (film_springs_init(&coarse, count / 2, modulus, largest, friction[1], mass, velocity) != FILM_OK) return FILM_BAD_NUMBER;
+    if (velocities) velocities[0] = velocity, forces[0] = 0.0;
     for (int64_t i = 1; i <= steps; i++) {
+        film_springs_take(&fine, time, friction, rows);
         film_springs_step(&fine, time, force[i], radius[i]);
         if (fabs(fine.q) > result->force) result->force = fabs(fine.q), result->step = i;
+        limits += fine.friction * force[i], used += fabs(fine.q);
+        if (velocities) velocities[i] = fine.v, forces[i] = fine.q;
         if (i % 2 != 0) continue;
+        film_springs_take(&coarse, 2.0 * time, friction, rows);
         film_springs_step(&coarse, 2.0 * time, force[i], radius[i]);
         result->apart = fmax(result->apart, fabs(fine.v - coarse.v));
     }
     result->velocity = fine.v;
+    result->slack = limits > 0.0 ? 1.0 - used / limits : 0.0;
     return isfinite(fine.v + result->apart) ? FILM_OK : FILM_BAD_NUMBER;
 }
 

@@ -47,7 +47,7 @@ typedef struct {
 
 /* Gauss's rule on a way to the turn, in panels of at most PANEL points: after the fraction x of it, x = s^2 (2 - s^2), so that
  * sqrt(1 - x) = 1 - s^2, to which the velocity before a turn is proportional, and sqrt x, of which a force at first touch is a
- * power, have no root. For n segments: n + EXTRA_POINTS points, at most MOST_POINTS, less what does not fill panels of one size. One
+ * power, have no root. For n segments: n + EXTRA_POINTS points, at most MOST_POINTS, reduced to fill panels of one size. One
  * impact takes SEVERAL at a time: `filled` points, the last of which have no weight. */
 enum { PANEL = 16, EXTRA_POINTS = 2, MOST_POINTS = 256, SEVERAL = 8 };
 typedef struct {
@@ -66,7 +66,7 @@ typedef struct {
 } crossing;
 
 /* A damped power law as lanes run it: in z, with xi = z^root, force = stiffness z^force, c = factor z^damping; root 0: lanes
- * cannot. */
+ * cannot run it. */
 enum { MOST_POWER = 6 };
 typedef struct {
     int32_t root, force, damping;
@@ -79,7 +79,7 @@ typedef struct {
     const film_family *family; /* NULL: all impacts share the curve */
     const double *shape;
     const double *spring; /* compliance in series with each contact; NULL: none */
-    int loaded;     /* 1: loads press on the impacts of the blocks, which tables of whole ways do not know */
+    int loaded;     /* 1: the blocks' impacts are under loads, for which tables of whole ways do not hold */
     int32_t shaped; /* the stage that differs between impacts; -1: none */
     own_stage *own;
     const film_curve *curve;

@@ -144,13 +144,13 @@ int film_prepare_job(batch_job *j) {
     return rows <= ROWS && 8 * powers + 3 * branches + curve->stages <= TABLES;
 }
 
-/* A whole multiple of 1/root, up to MOST_POWER of them; -1: it is none. */
+/* exponent times root, if that is a whole number up to MOST_POWER; else -1. */
 static int32_t whole_multiple(double exponent, int32_t root) {
     double times = exponent * root;
     return times >= 0.0 && times <= MOST_POWER && times == (double)(int32_t)times ? (int32_t)times : -1;
 }
 
-/* The factor of a function that is one power from 0 on, and its exponent; 0: it is none. */
+/* The factor of a function that is one power from 0 on, and its exponent; 0 if it is not. */
 static double lone_power(const film_function *g, double *exponent) {
     if (g->form != FILM_POWER || g->origin != 0.0 || g->per_span != 1.0) return 0.0;
     int parts = (g->constant != 0.0) + (g->slope != 0.0) + (g->coefficient != 0.0);

@@ -2,6 +2,7 @@
 
 const STEPS = 1000;
 
+const SCALED_TARGET = "Size, edges and place of the target cannot change here; its vibrations scale with the numbers below.";
 const FIXED_TARGET = "What the target is made of cannot change here: how it moves was computed when this page was written.";
 
 /** @param {string} id */
@@ -156,7 +157,7 @@ function buildForm(scene, changed, replaced) {
     const group = made("fieldset", {}, made("legend", {}, title));
     const material = made("details", {}, made("summary", {}, "material values"));
     const fixed = body === "target" && scene.base.support !== null;
-    if (fixed) group.append(made("p", {}, FIXED_TARGET));
+    if (fixed) group.append(made("p", {}, Object.keys(scene.base.support.scales).length > 0 ? SCALED_TARGET : FIXED_TARGET));
     if (body in scene.materials && !fixed) {
       group.append(materialRow(scene, body, () => (refresh(), changed())));
     }

@@ -9,7 +9,10 @@ function download(blob, name) {
   setTimeout(() => URL.revokeObjectURL(link.href), 10_000);
 }
 
-/** The sampled motion with energies, SI. @param {Scene} scene @param {Result} result */
+/** Dimensions of the columns of friction. @type {Record<string, string>} */
+const OF_FRICTION = { sliding_velocity: "velocity", friction_force: "force" };
+
+/** The sampled motion with energies and friction, SI. @param {Scene} scene @param {Result} result */
 function csvText(scene, result) {
   const { motion, stage } = result.motion;
   const energies = energiesOf(scene, result);
@@ -17,9 +20,11 @@ function csvText(scene, result) {
   const units = names.map((name) => DATA.dimensions[DATA.motion[name][0]].unit);
   const head = ["time (s)", ...names.map((name, k) => `${name} (${units[k]})`)];
   const parts = Object.entries(energies);
-  const rows = [[...head, ...parts.map(([name]) => `energy_${name} (J)`), "stage"].join(",")];
+  const along = Object.entries(alongAt(motion.time, result.oblique));
+  const heads = [...parts.map(([name]) => `energy_${name} (J)`), ...along.map(([name]) => `${name} (${DATA.dimensions[OF_FRICTION[name]].unit})`)];
+  const rows = [[...head, ...heads, "stage"].join(",")];
   for (let k = 0; k < motion.time.length; k++) {
-    const numbers = [motion.time, ...names.map((name) => motion[name]), ...parts.map(([, values]) => values)];
+    const numbers = [motion.time, ...names.map((name) => motion[name]), ...[...parts, ...along].map(([, values]) => values)];
     rows.push([...numbers.map((column) => String(column[k])), stage[k]].join(","));
   }
   return `${rows.join("\n")}\n`;

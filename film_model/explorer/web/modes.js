@@ -2,6 +2,28 @@
 
 const TOO_MANY = -5; // status of a march with too many segments
 
+/**
+ * How the target moves: as Python computed it, scaled with the plate's thickness, modulus and density of now; null if it does not.
+ * @param {Scene} scene
+ */
+function supportNow(scene) {
+  const { support } = scene.base;
+  const ratios = Object.entries(support?.scales ?? {}).map(([path, value]) => Number(scene.values[path]) / value);
+  if (!ratios.some((ratio) => ratio !== 1)) return support;
+  const [thickness, modulus, density] = ratios;
+  const [rate, mass] = [thickness * Math.sqrt(modulus / density), thickness * density];
+  const scaled = (/** @type {number[]} */ column, /** @type {number} */ factor) => column.map((value) => factor * value);
+  const { frequency, share, ratio } = support.modes ?? {};
+  return {
+    ...support,
+    key: `${support.key} ${ratios}`,
+    compliance: support.compliance / (modulus * thickness ** 3),
+    lowest: rate * support.lowest,
+    highest: rate * support.highest,
+    modes: support.modes && { frequency: scaled(frequency, rate), share: scaled(share, 1 / mass), ratio },
+  };
+}
+
 /** The power of 2^(1/4) that is not below a value. @param {number} value */
 function rounded(value) {
   return 2 ** (Math.ceil(4 * Math.log2(value)) / 4);
@@ -47,7 +69,7 @@ function feltCompliance(support, fixed, mass) {
  * @param {Scene} scene @param {number} highest in rad/s @param {number} longest step in s @param {boolean} series
  */
 function structureOf(scene, highest, longest, series) {
-  const { support } = scene.base;
+  const support = supportNow(scene);
   const { frequency, share } = support.modes;
   const own = scene.values["target.damping_ratio"];
   const ratio = own === undefined ? support.modes.ratio : frequency.map(() => own);
@@ -166,7 +188,7 @@ function unreached(accuracy, outcome) {
 
 /** The impact with as many modes as the accuracy needs, and the error estimate. @param {Scene} scene @param {Problem} problem */
 function vibrate(scene, problem) {
-  const { support } = scene.base;
+  const support = supportNow(scene);
   const rule = DATA.constants.vibration;
   const accuracy = scene.solver.accuracy ?? DATA.constants.accuracy;
   const { p, law } = problem;

@@ -48,7 +48,7 @@ function ncFile(about, columns) {
   return file;
 }
 
-/** The sampled motion with energies, SI. @param {Scene} scene @param {Result} result */
+/** The sampled motion with energies and friction, SI. @param {Scene} scene @param {Result} result */
 function netcdfOf(scene, result) {
   const { motion } = result.motion;
   const columns = [{ name: "t", values: /** @type {ArrayLike<number>} */ (motion.time), attributes: { long_name: "time since first touch", units: "s" } }];
@@ -58,6 +58,9 @@ function netcdfOf(scene, result) {
   }
   for (const [name, values] of Object.entries(energiesOf(scene, result))) {
     columns.push({ name: `energy_${name}`, values, attributes: { long_name: `energy of ${name}`, units: "J" } });
+  }
+  for (const [name, values] of Object.entries(alongAt(motion.time, result.oblique))) {
+    columns.push({ name, values, attributes: { long_name: name.replace("_", " "), units: DATA.dimensions[OF_FRICTION[name]].cf } });
   }
   const source = `film-model ${DATA.version}, explorer; law ${result.law.name}`;
   return ncFile({ Conventions: "CF-1.11", title: scene.title, source, scene_toml: sceneFile(scene) }, columns);

@@ -97,20 +97,15 @@ function frictionOfSprings(scene, n, problem, given, regimeOf, x, duration, samp
   const radii = law.dissipates ? radiiBeyondYield(force, depth, force.map((F, k) => FORMULAS.contactRadius(p, n, F, depth[k]).radius), n.effective_modulus)
     : [force.map((F, k) => (F > 0 ? Math.sqrt(n.effective_radius * Math.max(depth[k], 0)) : 0))];
   const runs = radii.map((radius) => followSprings(springs, given, time, force, radius));
-  const [{ velocity, friction }] = runs;
-  const even = (/** @type {Float64Array} */ column) => column.filter((_, k) => k % 2 === 0);
-  const coarse = followSprings(springs / 2, given, even(time), even(force), even(radii[0]));
-  const error = Math.max(...coarse.velocity.map((v, k) => Math.abs(velocity[2 * k] - v)));
+  const [{ velocity, friction, largest, step, apart, slack }] = runs;
   const ends = runs.map((run) => run.velocity[steps]);
-  const most = friction.reduce((best, q, k) => (Math.abs(q) > Math.abs(friction[best]) ? k : best), 0);
-  const impulse = force.reduce((sum, F, k) => sum + (k ? 0.5 * (F + force[k - 1]) * (time[k] - time[k - 1]) : 0), 0);
-  const { regime } = regimeOf(x, ends[0], impulse);
+  const { regime } = regimeOf(x, slack);
   return {
     after: ends[0],
-    peak: [Math.abs(friction[most]), time[most]],
+    peak: [largest, time[step]],
     regime,
     events: [{ name: regime === 0 ? "sticks" : "slides", time: 0 }],
-    error: (safety * error) / Math.abs(given.velocity),
+    error: (safety * apart) / Math.abs(given.velocity),
     motion: { time, sliding_velocity: velocity, friction_force: friction },
     low: Math.min(...ends),
     high: Math.max(...ends),
@@ -128,20 +123,36 @@ function radiiBeyondYield(force, depth, law, modulus) {
   return radii;
 }
 
-/** Sliding velocity and friction force at the times. @param {number} count @param {any} given @param {Float64Array} time @param {Float64Array} force @param {Float64Array} radius */
+/** Sliding velocity and friction force at the times, and what the core says of them. @param {number} count @param {any} given @param {Float64Array} time @param {Float64Array} force @param {Float64Array} radius */
 function followSprings(count, { modulus, friction, mass, velocity }, time, force, radius) {
-  const { layout, top, c } = CORE;
-  const state = CORE.allocate(layout.springs);
+  const { layout: { springs }, top, c } = CORE;
   const steps = time.length - 1;
-  const status = c.film_springs_init(state, count, modulus, Math.max(...radius), friction, mass, velocity);
+  const result = CORE.allocate(springs.size);
+  const columns = [force, radius].map((column) => CORE.numbersAt(Array.from(column)));
+  const found = [0, 1].map(() => CORE.allocate(8 * time.length));
+  const status = c.film_springs_impact(count, modulus, mass, velocity, CORE.numbersAt([0, friction]), 1, time[1] - time[0], BigInt(steps), ...columns, result, ...found);
   if (status !== 0) throw new Failure(status);
-  const columns = [force, radius].map((column) => CORE.numbersAt(Array.from(column.subarray(1))));
-  const found = [0, 1].map(() => CORE.allocate(8 * steps));
-  c.film_springs_follow(state, time[1] - time[0], BigInt(steps), ...columns, ...found);
-  const [v, q] = found.map((place) => new Float64Array(c.memory.buffer, place, steps));
-  const run = { velocity: Float64Array.of(velocity, ...v), friction: Float64Array.of(0, ...q) };
+  const [v, q] = found.map((place) => new Float64Array(c.memory.buffer, place, time.length).slice());
+  const view = CORE.view();
+  const [largest, apart, slack] = ["force", "apart", "slack"].map((name) => view.getFloat64(result + springs[name], true));
+  const run = { velocity: v, friction: q, largest, apart, slack, step: Number(view.getBigInt64(result + springs.step, true)) };
   CORE.top = top;
   return run;
+}
+
+/** Sliding velocity, m/s, and friction force, N, at ascending times, with lines between the computed ones; none without friction. @param {ArrayLike<number>} times @param {Oblique|null} oblique @returns {Record<string, Float64Array>} */
+function alongAt(times, oblique) {
+  if (!oblique) return {};
+  const { time, sliding_velocity, friction_force } = oblique.motion;
+  const at = (/** @type {Float64Array} */ column) => {
+    let k = 1;
+    return Float64Array.from(times, (t) => {
+      while (k < time.length - 1 && time[k] < t) k++;
+      const part = k < time.length ? Math.min(Math.max((t - time[k - 1]) / (time[k] - time[k - 1]), 0), 1) : 0;
+      return part > 0 ? column[k - 1] + part * (column[k] - column[k - 1]) : column[k - 1];
+    });
+  };
+  return { sliding_velocity: at(sliding_velocity), friction_force: at(friction_force) };
 }
 
 /** What must be known of the results. @param {Oblique|null} oblique @returns {string[]} */

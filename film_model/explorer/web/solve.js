@@ -190,7 +190,7 @@ function choose(scene, slow) {
  * @param {Scene} scene @param {any} n @param {any} law
  */
 function supportOf(scene, n, law) {
-  const { support } = scene.base;
+  const support = supportNow(scene);
   const fixed = { impedance: Infinity, compliance: 0 };
   if (scene.effects.target_motion === false) return fixed;
   if (!support) return { impedance: n.impedance, compliance: 0 };

@@ -33,6 +33,7 @@ SOURCES = (
     *platforms.RELAXING,
     *platforms.core("oblique", "friction", "friction_step", "friction_many", "radii"),
     *platforms.SLIDING,
+    *platforms.core("chain", "chain"),
 )
 LIBRARY = f"{CORE}/_film_core" + Path(platforms.built_library()).suffix
 FLAGS = platforms.FLAGS

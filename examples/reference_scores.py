@@ -46,12 +46,12 @@ TEXT = """# Reference impacts
 
 `film-model reference-impacts --output DIR` writes an open suite of {count} impacts against which any code that
 simulates contact can be tested: under elastic, plastic, damped, adhesive and viscoelastic laws; on a half-space, a
-free body, a plate, a rod, a beam and a structure; oblique with friction and spin, under weight, and bouncing. Each is
-a folder of plain files: `case.toml`, the scene in SI with explicit numbers; `reference.csv`, the motion; and
-`summary.json`, its results with up to 10 certified digits, an error bound, and the difference to a second computation
-by another method. `README.md` in the folder explains the files, `summary.schema.json` describes the last, and
-`SHA256SUMS` holds their hashes: the command writes the same bytes in every run, with any number of `--workers`. The
-licence is CC0. It takes about half a minute; `--cases NAMES` writes some.
+free body, a plate, a rod, a beam and a structure; oblique with friction and spin, under weight, bouncing, and of
+balls in a row. Each is a folder of plain files: `case.toml`, the scene in SI with explicit numbers; `reference.csv`,
+the motion; and `summary.json`, its results with up to 10 certified digits, an error bound, and the difference to a
+second computation by another method. `README.md` in the folder explains the files, `summary.schema.json` describes
+the last, and `SHA256SUMS` holds their hashes: the command writes the same bytes in every run, with any number of
+`--workers`. The licence is CC0. It takes about half a minute; `--cases NAMES` writes some.
 
 ```console
 $ film-model reference-impacts --output impacts --workers 2
@@ -68,6 +68,7 @@ $ film-model score results --plot score.png
 | vibrating target | natural vibrations, to 1e-10 (structure) or 1e-5 | DOP853 on the same vibrations |
 | oblique | Cattaneo, Mindlin and Jäger's theory between events | closed form where all slides, else springs |
 | bouncing | the component, to 1e-11 | DOP853, bounce after bounce |
+| chain | steps of order 8 that end at events | DOP853 of SciPy on displacements |
 
 The error bound of a value is the sum of the error estimates of both computations; the difference of the two is within
 it in every case (`tests/test_reference_impacts.py`). Both use the core's force on the branches of the law and, on

@@ -7,8 +7,10 @@ import film_model.targets as targets
 from film_model.base.errors import ImpactWarning, Outcome, SceneError, SimulationError
 from film_model.base.materials import Material, material
 from film_model.scene import Contact, Effects, Scene, Solver, Sphere
+from film_model.scene.chain import Chain, ChainBody
 from film_model.solve.batch import BatchResult, simulate_batch
 from film_model.solve.bounce import Bounces, bounce
+from film_model.solve.chain_motion import ChainMotion, simulate_chain
 from film_model.solve.component import ImpactComponent
 from film_model.solve.derivatives import Derivatives
 from film_model.solve.history import Event, History, Samples
@@ -21,6 +23,9 @@ if TYPE_CHECKING:
 __all__ = [
     "BatchResult",
     "Bounces",
+    "Chain",
+    "ChainBody",
+    "ChainMotion",
     "Contact",
     "Derivatives",
     "Effects",
@@ -40,6 +45,7 @@ __all__ = [
     "material",
     "simulate",
     "simulate_batch",
+    "simulate_chain",
 ]
 __all__ += laws.__all__  # a new law is listed there only
 __all__ += targets.__all__  # likewise a new kind of target

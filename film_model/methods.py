@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from film_model.solve.batch import BatchResult
+    from film_model.solve.chain_motion import ChainMotion
     from film_model.solve.component import ImpactComponent
     from film_model.solve.derivatives import Derivatives
 
@@ -123,6 +124,20 @@ def bounces_as_html(self: Bounces) -> str:
     )
     said = "".join(f"<li>{escaped(sentence)}</li>" for sentence in self.warnings)
     return _heading(self.scene, repr(self)) + _table([head, *rows]) + (f"<ul>{said}</ul>" if said else "")
+
+
+def plot_chain(self: ChainMotion, path: str | os.PathLike[str] | None = None) -> Figure:
+    """The picture of velocities and forces over time, as a matplotlib figure; written to `path` if given."""
+    from film_model.plot.chain import plot_chain as drawn
+
+    return drawn(self, path)
+
+
+def chain_to_dataset(self: ChainMotion, samples: int = 201) -> xr.Dataset:
+    """The motion as an xarray.Dataset over body, contact and t: values of each, and samples while forces act."""
+    import film_datasets
+
+    return film_datasets.to_dataset(self, samples)
 
 
 def component_as_html(self: ImpactComponent) -> str:

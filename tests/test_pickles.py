@@ -14,6 +14,7 @@ import film_datasets as fd
 import film_model as fm
 
 STEEL = fm.Sphere("10 mm", "1 m/s", material="bearing steel")
+STEEL_BODY = fm.ChainBody("10 mm", material="bearing steel", velocity="1 m/s")
 SOFT = fm.Material("soft", "3 GPa", 0.35, "1000 kg/m^3", prony=[[0.3, "10 us"]])
 SCENES = {
     "half-space": fm.Scene(STEEL, fm.HalfSpace("mild steel")),
@@ -72,6 +73,7 @@ def _instances() -> list[Any]:
     history = fm.simulate(scene, derivatives=["impactor.velocity"])
     speed = {"impactor.velocity": {"normal": ["1 m/s", "0.01 m/s"]}}
     structure = fm.Structure(frequency=["100 Hz"], modal_mass=["1 kg"], material="mild steel")
+    chain = fm.Chain([STEEL_BODY], target=fm.HalfSpace("mild steel"))
     laws, power = {name: _law(name) for name in fm.LAWS}, fm.Power(coefficient=1.0)
     return [
         *(structure, fm.Beam("mild steel", "80 mm", "20 mm", "8 mm"), fm.Body("mild steel", radius="10 mm")),
@@ -85,6 +87,7 @@ def _instances() -> list[Any]:
         *(scene, scene.impactor, scene.target, scene.contact, scene.effects, scene.solver, fm.material("glass")),
         *(history, history.events[0], history.outcome, history.sample(["1 us", "2 us"]), history.derivatives),
         *(fm.ImpactComponent(scene), fm.bounce(scene), fm.simulate_batch(scene, velocity=["1 m/s", "2 m/s"])),
+        *(chain, chain.bodies[0], fm.simulate_chain(chain)),
         *(fm.SceneError([]), fm.SimulationError("no"), fm.ImpactWarning("take care")),
         *(fd.tolerance(scene, speed, samples=64), fd.TABLE["impact_history"][0]),
         fd.Score("hertz-half-space-0.4", 3, {"maximum_force": 0.01}),

@@ -39,6 +39,11 @@ FILES = {
     "cloud.toml": 'scene = "slab.toml"\ndesign = "sobol"\nsamples = 256\n[over]\n"impactor.radius" = "10 mm ± 1 mm"\n'
     '"impactor.velocity" = "1 m/s ± 0.3 m/s"\n'
     '"target.material.yield_strength" = { normal = ["250 MPa", "12 MPa"] }\n',
+    **{
+        f"{name}.toml": f'title = "Balls in a row"\n[[bodies]]\ncount = {count}\nradius = "10 mm"\n'
+        'material = "bearing steel"\nvelocity = "0.2 m/s"\n[target]\nmaterial = "granite"\n'
+        for name, count in (("cradle", 4), ("row", 12))
+    },
     "motions.csv": "time [us], a [m/s^2], b [g]\n"
     + "\n".join(f"{5 * k}, {min(k % 40, 15) * 9}, {-(k % 23)}" for k in range(100)),
     "force.csv": "time [us], contact_force [N]\n0, 0\n10, 50\n20, 90\n",
@@ -50,6 +55,8 @@ COMMANDS = {
     **{f"run {path.stem}": f"run {path} --plot picture.png" for path in sorted(SCENES.glob("*.toml"))},
     "oblique": "run slanted.toml --plot picture.png",
     "strobe": "run slanted.toml --strobe picture.png",
+    "chain": "run cradle.toml --plot picture.png",
+    "chain of many": "run row.toml --plot picture.png",
     "bounce": "bounce slab.toml --plot picture.png",
     "spectrum": "spectrum sensed.toml --plot picture.png",
     "laws": "laws --plot picture.png",

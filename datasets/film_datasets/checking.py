@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from film_datasets.files import open_dataset
-from film_datasets.schema import BOUNCES, COST, HISTORY, MEASUREMENT, has_failed, kind_of, validate
+from film_datasets.schema import BOUNCES, CHAIN, COST, HISTORY, MEASUREMENT, has_failed, kind_of, validate
 from film_model.solve.history import SUMMARY
 from film_model.solve.simulate import simulate_quietly
 
@@ -33,7 +33,7 @@ def check(path: str | os.PathLike[str], rows: int = 10) -> list[str]:
         raise ValueError(f"rows is {rows}, which must be >= 0")
     with open_dataset(path) as ds:
         wrong = validate(ds)
-        if wrong or kind_of(ds) in (MEASUREMENT, BOUNCES, COST):
+        if wrong or kind_of(ds) in (MEASUREMENT, BOUNCES, CHAIN, COST):
             return wrong
         if kind_of(ds) == HISTORY:
             return _differences(ds, "") if rows else []

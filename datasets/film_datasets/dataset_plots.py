@@ -10,18 +10,21 @@ import numpy as np
 
 from film_datasets.axis_style import finite, format_axis, label, set_title
 from film_datasets.bounce_dataset import bounces_of
+from film_datasets.chain_dataset import chain_in
 from film_datasets.cost_dataset import study_of
 from film_datasets.csv_measurement import measured_over
 from film_datasets.distribution_plots import DEFAULT_QUANTITY, TORNADO, draw_distribution
 from film_datasets.history_dataset import trace_of
-from film_datasets.schema import BOUNCES, COST, HISTORY, MEASUREMENT, SWEEP, dimension_of, kind_of
+from film_datasets.schema import BOUNCES, CHAIN, COST, HISTORY, MEASUREMENT, SWEEP, dimension_of, kind_of
 from film_datasets.sweep_plots import FEW_POINTS, draw_sweep
 from film_datasets.sweeps.definition import Sweep
 from film_datasets.tornado_plot import draw_tornado
 from film_model.plot.bounces import plot_bounces
+from film_model.plot.chain import plot_chain
 from film_model.plot.cost import plot_study
 from film_model.plot.history import plot_history
 from film_model.plot.style import COLOURS, picture, prefixed_unit
+from film_model.solve.chain_motion import simulate_chain_quietly
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -44,7 +47,8 @@ def plot(
     """A figure of a dataset, written to `path` if given.
 
     Of a history, the whole contact; of the run of an FMU, its samples; of a measurement, its points; of bounces,
-    height over time; of a cost study, error against time. The other arguments are for sweeps:
+    height over time; of a chain, velocities and forces over time; of a cost study, error against time. The other
+    arguments are for sweeps:
 
     quantity: of the summary; the coefficient of restitution unless given. over: one or two names in the dataset such
     as "impactor_velocity"; unless given, the first two with many values. One gives lines, a line for each value of
@@ -76,6 +80,8 @@ def plot(
         return plot_history(trace_of(ds), path, dpi)
     if schema == BOUNCES:
         return plot_bounces(bounces_of(ds), path, dpi)
+    if schema == CHAIN:
+        return plot_chain(simulate_chain_quietly(chain_in(ds)), path, dpi)
     if schema == COST:
         return plot_study(study_of(ds), path, dpi)
     if schema == MEASUREMENT:

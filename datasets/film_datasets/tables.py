@@ -104,6 +104,8 @@ def _columns(ds: xr.Dataset) -> list[tuple[Variable, Any]]:
             found += [
                 (replace(v, name=f"sensor_{word}_{what}"), own) for word, own in zip(words, array.values, strict=True)
             ]
+        if array.dims in (("body", *rows), ("contact", *rows)):  # likewise for each body or contact of a chain
+            found += [(replace(v, name=f"{v.name}_{number}"), own) for number, own in enumerate(array.values, 1)]
         if not set(array.dims) <= set(rows) or (not array.dims and kind != SWEEP):
             continue
         words = flag_meanings(array)

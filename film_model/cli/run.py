@@ -36,7 +36,7 @@ SHORT = (
 
 def add_commands(named: Any) -> None:
     """The command and its options."""
-    parser: argparse.ArgumentParser = named.add_parser("run", help="simulate the impact of a scene file")
+    parser: argparse.ArgumentParser = named.add_parser("run", help="simulate the impact of a scene file, or a chain")
     parser.add_argument("scene", help="scene file (TOML)")
     parser.add_argument(
         "--output", metavar="FILE", help="write the history: .nc or .zarr (complete), .csv, .parquet or .mat (motion)"
@@ -62,8 +62,13 @@ def add_commands(named: Any) -> None:
 
 def run(options: argparse.Namespace) -> int:
     from film_model.scene import Scene
+    from film_model.scene.toml import read_text, toml_table
     from film_model.solve.simulate import simulate_quietly
 
+    if "bodies" in toml_table(*read_text(options.scene)):
+        from film_model.cli.chain import run_chain
+
+        return run_chain(options)
     check_outputs(options)
     check_picture(options.strobe, options.force)
     scene = Scene.from_toml(options.scene)

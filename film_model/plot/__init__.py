@@ -1,4 +1,6 @@
-"""Pictures, by matplotlib: histories, bounces, contact laws, regimes, cost of accuracy; `style` holds what they share.
+"""Pictures, by matplotlib: histories, bounces, chains, contact laws, regimes, cost of accuracy.
+
+`style` holds what they share.
 
 A function is imported when it is first used, with what it needs.
 """
@@ -10,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from film_model.plot.bounces import plot_bounces
+    from film_model.plot.chain import plot_chain
     from film_model.plot.cost import plot_studies, plot_study
     from film_model.plot.history import plot_history
     from film_model.plot.laws import plot_laws
@@ -19,6 +22,7 @@ if TYPE_CHECKING:
 
 _HOMES = {
     "plot_bounces": "bounces",
+    "plot_chain": "chain",
     "plot_studies": "cost",
     "plot_study": "cost",
     "plot_history": "history",
@@ -33,6 +37,7 @@ __all__ = [
     "check_picture",
     "picture_style",
     "plot_bounces",
+    "plot_chain",
     "plot_history",
     "plot_laws",
     "plot_regimes",

@@ -27,7 +27,7 @@ from film_model.scene.impactor import Sphere
 from film_model.scene.noses import Nose, Oval, mistakes_of_shape, nose_of, oval_of, relative_radius
 from film_model.scene.options import DEFAULT_TOLERANCE, Effects, Solver
 from film_model.scene.sections import parts_of
-from film_model.scene.toml import change_table, placed, read_text, text_from_table, toml_table
+from film_model.scene.toml import change_table, placed, read_text, scene_table, text_from_table
 from film_model.targets import TARGETS, AbstractTarget
 
 NO_FILES = "a scene that is stored with results has its tables inside, and no other file is read"
@@ -89,10 +89,7 @@ class Scene:
     @classmethod
     def _from_text(cls, text: str, name: str, folder: str | None) -> Scene:
         """folder: of relative paths; None to refuse paths."""
-        table = toml_table(text, name)
-        if "over" in table and "impactor" not in table:
-            why = 'this is a sweep: give it to "film-model sweep" or "film-model tolerance"'
-            raise placed([Mistake(None, None, "over", why)], text, name)
+        table = scene_table(text, name)
         for key in WITH_FILES:
             section = table.get(key)
             if isinstance(section, dict) and "file" in section:

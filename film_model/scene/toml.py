@@ -23,6 +23,12 @@ NO_SCENES = {
 }
 """Files that are given in place of a scene."""
 
+OTHER_FILES = {
+    "over": 'this is a sweep: give it to "film-model sweep" or "film-model tolerance"',
+    "bodies": 'this is a chain: "film-model run" and Chain.from_toml read it',
+}
+"""Sections of other files that are given in place of a scene."""
+
 LARGEST_TABLE = 100_000_000  # bytes; a million rows of five numbers
 
 
@@ -147,9 +153,11 @@ _PATH = re.compile(rf"{_PART}(?:\s*\.\s*{_PART})*")
 
 
 def lines_of_keys(text: str) -> dict[str, int]:
-    """The line of every key, by its path, which tomllib does not report. Keys of an inline table have its line."""
+    """The line of every key, by its path, which tomllib does not report. Keys of an inline table have its line; those
+    of the second section [[bodies]] are bodies[2].radius, too."""
     lines: dict[str, int] = {}
-    section, quotes = "", ""
+    section, quotes, place = "", "", ""
+    count = dict[str, int]()
     for number, whole_line in enumerate(text.split("\n"), 1):
         line = whole_line.strip()
         if quotes:  # inside a text of several lines
@@ -162,8 +170,15 @@ def lines_of_keys(text: str) -> dict[str, int]:
             keys = [key_text(_unquoted(part)) for part in re.findall(_PART, path[0])]
             if rest.startswith("]" if header else "="):
                 section = "" if header else section
+                if header:
+                    place = ".".join(keys)
+                    count[place] = count.get(place, 0) + 1
+                    place = f"{place}[{count[place]}]"
+                    lines[place] = number
                 for key in (keys[0], ".".join(keys)):
                     lines.setdefault(f"{section}.{key}".lstrip("."), number)
+                    if not header:
+                        lines.setdefault(f"{place}.{key}", number)
                 section = ".".join(keys) if header else section
         quotes = next((q for q in ('"""', "'''") if line.count(q) % 2), "")
     return lines
@@ -185,3 +200,12 @@ def placed(mistakes: Iterable[Mistake], text: str, name: str) -> SceneError:
     lines = lines_of_keys(text)
     found = [replace(m, file=name, line=line_of(lines, m.key)) for m in mistakes]
     return SceneError(sorted(found, key=lambda m: m.line or 0))
+
+
+def scene_table(text: str, name: str) -> dict[str, Any]:
+    """As :func:`toml_table`, of a scene. Raises SceneError for another file in its place."""
+    table = toml_table(text, name)
+    other = next((key for key in OTHER_FILES if key in table), None)
+    if other is not None and "impactor" not in table:
+        raise placed([Mistake(None, None, other, OTHER_FILES[other])], text, name)
+    return table

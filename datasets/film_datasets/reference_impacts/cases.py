@@ -15,8 +15,9 @@ from film_model.base.units import power_stiffness_unit
 from film_model.laws import LAWS
 from film_model.laws.example_ball import STEEL_BALL, example_law
 from film_model.scene import Scene
+from film_model.scene.chain import Chain
 
-ACCURACY = {"structure": 1e-10, "beam": 1e-5, "rod": 1e-5, "plate": 1e-5, "viscoelastic": 1e-9}
+ACCURACY = {"chain": 1e-9, "structure": 1e-10, "beam": 1e-5, "rod": 1e-5, "plate": 1e-5, "viscoelastic": 1e-9}
 """Accuracy of the march that a target with edges or a material allows: every decimal of a target with edges takes about
 four times as many modes. Of all others `FINEST`."""
 
@@ -64,14 +65,19 @@ class Case(NamedTuple):
     @property
     def accuracy(self) -> float:
         """Relative, asked of the march."""
-        kind = self.scene["target"]["kind"] if self.group == "vibrating target" else self.group
-        return ACCURACY.get(kind, FINEST)
+        return ACCURACY.get(self.target if self.group == "vibrating target" else self.group, FINEST)
+
+    @property
+    def target(self) -> str:
+        """The kind of the target, or "chain" for bodies in a row."""
+        return "chain" if self.group == "chain" else self.scene["target"]["kind"]
 
 
 @lru_cache(maxsize=1)
 def cases() -> dict[str, Case]:
     """All cases, by name, in the order of the suite."""
-    return {case.name: case for case in (*_laws(), *_adhesive(), *_others(), *_oblique(), *_bouncing(), *_published())}
+    groups = (_laws(), _adhesive(), _others(), _oblique(), _bouncing(), _chains(), _published())
+    return {case.name: case for group in groups for case in group}
 
 
 def _case(
@@ -156,6 +162,20 @@ def _bouncing() -> Iterator[Case]:
         yield _case(name, "bouncing", plate, {"law": "hertz"}, {"drop_height": f"{height!r} m"})
 
 
+def _chains() -> Iterator[Case]:
+    """Newton's cradle of three, whose balls touch or not, and a small ball on a large one that hit the ground."""
+    ball = {"radius": "0.01 m", "mass": f"{STEEL_BALL.mass!r} kg", "material": STEEL}
+    for speed, gap in ((0.1, 0.0), (0.4, 0.0), (0.4, 2e-6)):
+        balls = [{**ball, "velocity": _si(speed), "gap": f"{gap!r} m"}, {**ball, "gap": f"{gap!r} m"}, ball]
+        yield _chain(f"cradle-{speed:g}" + ("-gaps" if gap else ""), {"bodies": balls})
+    down = [{"radius": size, "material": STEEL, "velocity": _si(0.2)} for size in ("0.01 m", "0.02 m")]
+    yield _chain("ball-on-ball-0.2", {"bodies": down, "target": TARGETS["half-space"]})
+
+
+def _chain(name: str, table: Mapping[str, Any]) -> Case:
+    return Case(name, "chain", {"title": f"Reference impact {name}", **table, "contact": {"law": "hertz"}})
+
+
 def _published() -> Iterator[Case]:
     """Chung & Ooi 2011, Granular Matter 13:643: tests 1 and 2; 4 (Kharaz, Gorham & Salman 2001) and 5 undamped."""
     for (name, *values), test in zip(_CHUNG_OOI, (1, 1, 2, 2), strict=True):
@@ -195,6 +215,11 @@ def _angle(degrees: float) -> str:
     return f"{math.radians(degrees)!r} rad"
 
 
+def chain_of(case: Case) -> Chain:
+    """The chain of a case of group "chain"."""
+    return Chain.from_table({**case.scene, "solver": {"accuracy": case.accuracy}})
+
+
 def scene_of(case: Case) -> Scene:
-    """The scene of a case."""
+    """The scene of a case of any other group."""
     return Scene.from_table({**case.scene, "solver": {"accuracy": case.accuracy}})

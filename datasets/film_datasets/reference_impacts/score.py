@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from film_datasets.csv_measurement import from_csv
-from film_datasets.reference_impacts.suite import chosen, scene_of
+from film_datasets.reference_impacts.cases import Case, scene_of
+from film_datasets.reference_impacts.suite import bouncing_motion, bouncing_times, chosen
 from film_model.base.errors import Mistake, SceneError
+from film_model.solve.bounce import bounce_quietly
 from film_model.solve.history import MOTION, History
 from film_model.solve.simulate import simulate_quietly
 
@@ -37,7 +40,7 @@ def score(path: str | os.PathLike[str], case: str | None = None) -> list[Score]:
     impactor_velocity) and coefficient_of_restitution (the last relative_velocity). case: the name, of a file that is
     called otherwise.
 
-    Raises SceneError for wrong columns, units or numbers, ValueError for an unknown case or a bouncing one, OSError for
+    Raises SceneError for wrong columns, units or numbers, ValueError for an unknown case or a chain, OSError for
     a file that cannot be read.
 
     >>> fd.score("hertz-half-space-0.4.csv")[0].rows
@@ -54,22 +57,39 @@ def score(path: str | os.PathLike[str], case: str | None = None) -> list[Score]:
 
 def _score(file: Path, name: str) -> Score:
     measured, case = from_csv(file), chosen([name])[0]
-    if case.group == "bouncing":
-        raise ValueError(f"{file}: case {case.name} is a series of bounces, which has no history to compare")
+    if case.group == "chain":
+        raise ValueError(f"{file}: case {case.name} is a chain of bodies, which is not compared")
     if measured.attrs["measured"] != "history":
         raise SceneError([Mistake(str(file), None, "", 'a column "time" is needed: these are impacts, not a history')])
     times = measured["t"].values
-    if times[0] < 0.0:
-        raise SceneError([Mistake(str(file), None, "", f"time {times[0]:g} s is before first touch, which is 0 s")])
-    history = simulate_quietly(scene_of(case))
-    exact = history.sample_si(times)
-    largest = history.sample_si(np.linspace(0.0, history.duration, 401))
+    first, exact, even, history = _reference(case)
+    if times[0] < first:
+        why = f"time {times[0]:g} s is before first touch, which is {first:g} s"
+        raise SceneError([Mistake(str(file), None, "", why)])
+    own, largest = exact(times), exact(even)
     errors = dict[str, float]()
     columns = {name: measured[name].values for name in MOTION if name in measured}
     for name, values in columns.items():
-        size = float(np.abs(getattr(largest, name)).max())
-        errors[name] = float(np.nanmax(np.abs(values - getattr(exact, name)))) / size if size else float(np.nan)
-    return Score(case.name, times.size, errors | _summary_errors(history, times, columns))
+        size = float(np.abs(largest[name]).max())
+        errors[name] = float(np.nanmax(np.abs(values - own[name]))) / size if size else float(np.nan)
+    results = {} if history is None else _summary_errors(history, times, columns)
+    return Score(case.name, times.size, errors | results)
+
+
+def _reference(case: Case) -> tuple[float, Callable[[Any], Mapping[str, Any]], Any, History | None]:
+    """The time of first touch [s], the motion at given times, times for its largest values, and the history, which a
+    bouncing case does not have."""
+    scene = scene_of(case)
+    if case.group == "bouncing":
+        bounces = bounce_quietly(scene, accuracy=case.accuracy)
+        return bounces.bounces[0].time, partial(bouncing_motion, bounces, case.accuracy), bouncing_times(bounces), None
+    history = simulate_quietly(scene)
+
+    def exact(times: Any) -> Mapping[str, Any]:
+        seen = history.sample_si(times)
+        return {name: getattr(seen, name) for name in MOTION}
+
+    return 0.0, exact, np.linspace(0.0, history.duration, 401), history
 
 
 def _summary_errors(history: History, times: Any, columns: Mapping[str, Any]) -> dict[str, float]:

@@ -7,14 +7,17 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from typing import NamedTuple, TypeAlias, cast
+from typing import Any, NamedTuple, TypeAlias, cast
 
 import numpy as np
+from scipy.integrate import solve_ivp as integrate
 
+from film_model.laws.hertz import hertz_stiffness
 from film_model.oblique import springs
 from film_model.oblique.friction import radius_in_loading, results
 from film_model.problem.problem import Problem
 from film_model.scene import STANDARD_GRAVITY, Scene
+from film_model.scene.chain import Chain
 from film_model.scene.rolling import sliding_of
 from film_model.solve import structures
 from film_model.solve.history import History
@@ -31,6 +34,10 @@ ERRORS = {"stages": 5e-12, "tabulated": 1e-10, "walton-braun": 5e-10, "viscoelas
 """Relative errors of the second computation. The slope of a table jumps inside a step; steps on straight lines are so
 long that their interpolation, on which an event is found, is less exact; the way out of a viscoelastic contact
 interpolates the way in. Measured on all cases (tests/test_reference_impacts.py)."""
+
+IN_CHAINS = (2e-11, 2e-12, 5e-11)
+"""Errors of the second computation of a chain: of velocities over the largest, of forces, and of times, which are found
+on the interpolation of a step; relative."""
 
 STEPS = 4096
 """Of friction, by springs beside each other."""
@@ -144,3 +151,45 @@ def second_bounces(scene: Scene, problem: Problem, count: int) -> Second:
         values |= {f"bounce_{k}_{name}": value for name, value in each.items()}
         time, speed = time + lasts + 2.0 * abs(after) / STANDARD_GRAVITY, abs(after)
     return Second(f"DOP853 at rtol {RTOL:g}, bounce after bounce", values, count * ERRORS["stages"])
+
+
+def second_chain(chain: Chain, end: float) -> Second:
+    """Bodies in a row under Hertz's law up to a time: SciPy's DOP853 on their displacements, without the core."""
+    row, pairs = chain.row, chain.pairs(1.0)
+    count, contacts = len(row), len(pairs)
+    mass = np.array([body.own_mass for body in row])
+    gaps = np.array([body.gap for body in row[:contacts]])
+    stiffness = np.array(
+        [hertz_stiffness(cast("float", pair.effective_modulus), pair.effective_radius) for pair in pairs]
+    )
+    speeds = np.array([body.velocity for body in row])
+
+    def apart(values: Any) -> Any:
+        return values[:contacts] - np.append(values[1:], 0.0)[:contacts]
+
+    def forces(z: Any) -> Any:
+        return stiffness * np.maximum(apart(z[:count]) - gaps, 0.0) ** 1.5
+
+    def rates(_: float, z: Any) -> Any:
+        force = np.append(forces(z), [0.0] * (count - contacts))
+        return np.concatenate((z[count:], (np.append(0.0, force[:-1]) - force) / mass))
+
+    def turn(k: int) -> Any:
+        def rate(_: float, z: Any) -> float:
+            return apart(z[count:])[k]
+
+        return rate
+
+    start = np.concatenate((np.zeros(count), speeds))
+    small = np.concatenate((np.full(count, 1e-15), np.full(count, 1e-11))) * np.abs(speeds).max() * 1e-4
+    turns = [turn(k) for k in range(contacts)]
+    found = integrate(rates, (0.0, end), start, "DOP853", events=turns, rtol=RTOL, atol=small, max_step=end / 50)
+    values = {f"final_velocity_{k + 1}": float(v) for k, v in enumerate(found.y[count:, -1])}
+    errors = {name: IN_CHAINS[0] * float(np.abs(speeds).max()) for name in values}
+    for k, (times, states) in enumerate(zip(found.t_events, found.y_events, strict=True)):
+        seen = [float(forces(state)[k]) for state in states]
+        best = int(np.argmax(seen))
+        own = {f"largest_force_{k + 1}": seen[best], f"time_of_largest_force_{k + 1}": float(times[best])}
+        values |= own
+        errors |= {name: part * value for (name, value), part in zip(own.items(), IN_CHAINS[1:], strict=True)}
+    return Second(f"DOP853 of SciPy at rtol {RTOL:g} on displacements", values, 0.0, errors)

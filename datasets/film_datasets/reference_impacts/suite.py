@@ -2,32 +2,41 @@
 
 from __future__ import annotations
 
+import contextlib
 import hashlib
 import json
 import math
 import os
 import shutil
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Generator, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import fields
 from functools import partial
 from multiprocessing import get_context
 from pathlib import Path
-from typing import Any, NamedTuple, cast
+from typing import TYPE_CHECKING, Any, NamedTuple, cast
+
+import numpy as np
 
 from film_datasets.conversion import to_dataset
-from film_datasets.reference_impacts.cases import Case, cases, scene_of
-from film_datasets.reference_impacts.second import Second, second, second_bounces, second_friction
+from film_datasets.reference_impacts.cases import Case, cases, chain_of, scene_of
+from film_datasets.reference_impacts.second import Second, second, second_bounces, second_chain, second_friction
 from film_datasets.tables import to_frame
 from film_model.base.errors import did_you_mean
-from film_model.base.units import si_unit
+from film_model.base.units import scene_unit, si_unit
+from film_model.effects.choose import problem_of
 from film_model.laws.law import AbstractLaw
 from film_model.oblique.result import OBLIQUE
 from film_model.problem.problem import Problem
 from film_model.problem.summary import SUMMARY
 from film_model.solve.bounce import COLUMNS, Bounces, bounce_quietly
-from film_model.solve.history import History
+from film_model.solve.chain_motion import BODIES, CONTACTS, FINEST, ChainMotion, simulate_chain_quietly
+from film_model.solve.component import ImpactComponent
+from film_model.solve.history import MOTION, History
 from film_model.solve.simulate import simulate_quietly
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 FILES = Path(__file__).parent / "files"
 """Files of the whole suite: its description, licence, metadata, and the schema of summary.json."""
@@ -40,6 +49,9 @@ SAMPLES = 201
 
 BOUNCES = 4
 """Bounces of a bouncing case."""
+
+IN_CONTACT, IN_FLIGHT = 41, 12
+"""Times of each contact and flight of a bouncing case."""
 
 LEAST = 1e-3
 """The error of a velocity or length is relative to at least this part of the approach velocity or of the indentation;
@@ -68,11 +80,12 @@ class Value(NamedTuple):
 
 
 class Computed(NamedTuple):
-    """A case that is computed. motion: its history, or its bounces. how, second: in words."""
+    """A case that is computed. motion: its history, its bounces, or that of a chain, whose problem is that of the first
+    contact. how, second: in words."""
 
     case: Case
     problem: Problem
-    motion: History | Bounces
+    motion: History | Bounces | ChainMotion
     how: str
     second: str
     values: Mapping[str, Value]
@@ -104,6 +117,8 @@ def _law(law: AbstractLaw) -> dict[str, Any]:
 
 def compute(case: Case) -> Computed:
     """A case by the march and by its second computation."""
+    if case.group == "chain":
+        return _chain(case)
     scene = scene_of(case)
     history = simulate_quietly(scene)
     if case.group == "bouncing":
@@ -158,6 +173,54 @@ def _bounces(case: Case, history: History) -> Computed:
     return Computed(case, history.problem, made, how, again.how, values)
 
 
+def _chain(case: Case) -> Computed:
+    """The bound is the sum of both errors; of times that of the second computation."""
+    chain = chain_of(case)
+    motion = simulate_chain_quietly(chain)
+    again = second_chain(chain, motion.end)
+    speed = max(abs(body.velocity) for body in chain.bodies)
+    values = dict[str, Value]()
+    for name, other in again.values.items():
+        what, number = name.rsplit("_", 1)
+        own, (dimension, _) = float(motion.values[what][int(number) - 1]), (BODIES | CONTACTS)[what]
+        size = {"velocity": speed, "force": abs(own)}.get(dimension, 0.0)
+        bound = motion.estimated * size + again.errors[name]
+        values[name] = Value(own, si_unit(dimension), bound, abs(own - other))
+    how = f"steps of order 8 that end at events, tolerance {FINEST:g}"
+    return Computed(case, problem_of(chain.pairs(speed)[0]), motion, how, again.how, values)
+
+
+def bouncing_motion(bounces: Bounces, accuracy: float, times: Any) -> dict[str, Any]:
+    """The values of `MOTION` at ascending times [s] from the first touch on."""
+    component = ImpactComponent(bounces.scene, accuracy=accuracy)
+    component.initialize(time=bounces.bounces[0].time)
+    rows = list[Any]()
+    for time in times:
+        component.step(max(time - component.time, 0.0))
+        rows.append(component.outputs)
+    return {name: np.array([getattr(row, name) for row in rows]) for name in MOTION}
+
+
+def bouncing_times(bounces: Bounces) -> list[float]:
+    """Even times in each contact and flight of the first bounces, s."""
+    times = list[float]()
+    for one, following in zip(bounces.bounces[:BOUNCES], bounces.bounces[1:], strict=False):
+        end = one.time + (one.contact_duration or 0.0)
+        times += [*np.linspace(one.time, end, IN_CONTACT), *np.linspace(end, following.time, IN_FLIGHT + 2)[1:-1]]
+    return times
+
+
+def _bouncing_table(bounces: Bounces, accuracy: float) -> pd.DataFrame:
+    """The motion of the first bounces, as a history's table."""
+    import pandas as pd
+
+    times = bouncing_times(bounces)
+    motion = bouncing_motion(bounces, accuracy, times)
+    heads = {name: f"{name} [{scene_unit(dimension)}]" for name, (dimension, _) in MOTION.items()}
+    exact = [f"{time:.15g}" for time in times]  # a contact is short beside the time since the release
+    return pd.DataFrame({"t [s]": exact, **{heads[name]: values for name, values in motion.items()}})
+
+
 def chosen(names: Sequence[str] | None) -> list[Case]:
     """The cases of these names, or all. Raises ValueError for one that is not known."""
     known = cases()
@@ -186,47 +249,65 @@ def write_suite(
         raise ValueError(f"workers: {workers} must be at least 1")
     if root.exists() and (not root.is_dir() or any(root.iterdir())):
         raise FileExistsError(f"{root}: exists and is not an empty folder")
-    root.mkdir(parents=True, exist_ok=True)
-    if workers == 1:
-        written = _each(map(partial(_write_case, root), todo), progress)
-    else:
-        with ProcessPoolExecutor(workers, mp_context=get_context("spawn")) as pool:
-            written = _each(pool.map(partial(_write_case, root), todo), progress)
-    for file in sorted(FILES.iterdir()):
-        shutil.copyfile(file, root / ("." + file.name if file.name == "zenodo.json" else file.name))
-    _write(root / "cases.csv", "case,group,law,target\n" + "".join(map(_row, todo)))
-    made = sorted(path for path in root.rglob("*") if path.is_file())
-    sums = (f"{hashlib.sha256(path.read_bytes()).hexdigest()}  {path.relative_to(root).as_posix()}\n" for path in made)
-    _write(root / "SHA256SUMS", "".join(sums))
-    return written
+    with _whole_folder(root) as beside:
+        if workers == 1:
+            names = _each(map(partial(_write_case, beside), todo), progress)
+        else:
+            with ProcessPoolExecutor(workers, mp_context=get_context("spawn")) as pool:
+                names = _each(pool.map(partial(_write_case, beside), todo), progress)
+        for file in sorted(FILES.iterdir()):
+            shutil.copyfile(file, beside / ("." + file.name if file.name == "zenodo.json" else file.name))
+        _write(beside / "cases.csv", "case,group,law,target\n" + "".join(map(_row, todo)))
+        made = sorted(path for path in beside.rglob("*") if path.is_file())
+        sums = (
+            hashlib.sha256(path.read_bytes()).hexdigest() + f"  {path.relative_to(beside).as_posix()}\n"
+            for path in made
+        )
+        _write(beside / "SHA256SUMS", "".join(sums))
+    return [root / name for name in names]
 
 
-def _each(found: Any, progress: Callable[[str], None] | None) -> list[Path]:
-    paths: list[Path] = []
-    for path in found:
-        paths.append(path)
+@contextlib.contextmanager
+def _whole_folder(root: Path) -> Generator[Path]:
+    """A new folder beside `root`, which it becomes if the block raises no exception: it is never written in part."""
+    at = root.absolute()
+    at.parent.mkdir(parents=True, exist_ok=True)
+    beside = at.with_name(f".{at.name[:100]}.{os.urandom(4).hex()}.part")
+    beside.mkdir()
+    try:
+        yield beside
+        if at.exists():
+            at.rmdir()
+        beside.rename(at)
+    finally:
+        shutil.rmtree(beside, ignore_errors=True)
+
+
+def _each(found: Any, progress: Callable[[str], None] | None) -> list[str]:
+    names: list[str] = []
+    for name in found:
+        names.append(name)
         if progress is not None:
-            progress(path.name)
-    return paths
+            progress(name)
+    return names
 
 
 def _row(case: Case) -> str:
-    return f"{case.name},{case.group},{case.scene['contact']['law']},{case.scene['target']['kind']}\n"
+    return f"{case.name},{case.group},{case.scene['contact']['law']},{case.target}\n"
 
 
 def _write(path: Path, text: str) -> None:
     path.write_text(text, encoding="utf-8", newline="\n")
 
 
-def _write_case(root: Path, case: Case) -> Path:
-    """The three files of a case."""
+def _write_case(root: Path, case: Case) -> str:
+    """The three files of a case; its name."""
     path, made = root / case.name, compute(case)
     path.mkdir()
-    _write(path / "case.toml", scene_of(case).to_toml())
+    _write(path / "case.toml", (chain_of(case) if case.group == "chain" else scene_of(case)).to_toml())
     _write(path / "summary.json", json.dumps(made.to_dict(), indent=1, ensure_ascii=False, allow_nan=False) + "\n")
     motion = made.motion
-    table = to_frame(to_dataset(motion, samples=SAMPLES) if isinstance(motion, History) else motion.to_dataset())
-    if isinstance(motion, Bounces):
-        table = table.head(BOUNCES)
+    bounces = isinstance(motion, Bounces)
+    table = _bouncing_table(motion, case.accuracy) if bounces else to_frame(to_dataset(motion, samples=SAMPLES))
     _write(path / "reference.csv", table.to_csv(index=False, float_format=f"%.{DIGITS}g", lineterminator="\n"))
-    return path
+    return case.name

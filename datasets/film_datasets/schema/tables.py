@@ -1,7 +1,7 @@
 """The tables of variables and attributes of our datasets, generated from those of the summary and the motion.
 
-Kinds: the history of one impact, all bounces of a ball, a sweep over many impacts, a measurement to compare with, and
-the cost of accuracy.
+Kinds: the history of one impact, all bounces of a ball, a chain of bodies, a sweep over many impacts, a measurement to
+compare with, and the cost of accuracy.
 A new value in `film_model.solve.history.SUMMARY` gets its variables by itself; it needs a new version in `ADDED`.
 """
 
@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from film_datasets.schema.chain_variables import CHAINS
 from film_datasets.schema.contact_variables import CONTACTS
 from film_datasets.schema.derivative_variables import derivatives_in
 from film_datasets.schema.finite_element_variables import FINITE_ELEMENT_PAIRS, FINITE_ELEMENTS
@@ -51,7 +52,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
 HISTORY, SWEEP, MEASUREMENT, COST = "impact_history", "impact_sweep", "impact_measurement", "impact_cost_study"
-BOUNCES = "impact_bounces"
+BOUNCES, CHAIN = "impact_bounces", "impact_chain"
 _STRESSES = (
     *("impulse", "contact_radius", "dent_diameter", "mean_pressure", "peak_pressure", "maximum_shear_stress"),
     *("maximum_von_mises_stress", "depth_of_maximum_stress"),
@@ -84,6 +85,7 @@ ADDED: dict[str, dict[str, tuple[str, ...]]] = {
         "1.4": FORCE_INTERVAL,
     },
     BOUNCES: {"1.0": ()},
+    CHAIN: {"1.0": ()},
     COST: {"1.0": ()},
 }
 """Kinds of datasets (attribute film_model_schema): the versions that can be read, oldest first, each with the names of
@@ -290,6 +292,7 @@ TABLE: dict[str, tuple[Variable, ...]] = {
     f"{MEASUREMENT} finite_elements": FINITE_ELEMENTS,
     f"{MEASUREMENT} finite_element_pairs": FINITE_ELEMENT_PAIRS,
     BOUNCES: _BOUNCES,
+    CHAIN: CHAINS,
     COST: _COST,
 }
 """Variables by the kind of dataset and what is kept in it, in the order in which `content_sha256` reads them."""
@@ -311,10 +314,8 @@ ATTRIBUTES: dict[str, tuple[str, ...]] = {
         "estimated_accuracy",
     ),
     MEASUREMENT: (*_PROVENANCE, "measured"),
-    BOUNCES: (
-        *_PROVENANCE,
-        *("scene_toml", "scene_sha256", "contact_law", "outcome", "rest_time", "warnings"),
-    ),
+    BOUNCES: (*_PROVENANCE, "scene_toml", "scene_sha256", "contact_law", "outcome", "rest_time", "warnings"),
+    CHAIN: (*_PROVENANCE, "scene_toml", "scene_sha256", "outcome", "end", "estimated_accuracy", "warnings"),
     COST: (
         *_PROVENANCE,
         *("scene_toml", "scene_sha256", "contact_law", "settings", "outcomes", "reference_method", "machine"),
@@ -342,7 +343,7 @@ def variables_of(ds: xr.Dataset) -> tuple[Variable, ...]:
     constants = tuple(v for v in CONSTANTS if v.name in ds.variables)
     if kind == HISTORY:
         constants += tuple(v.over(()) for v in (SCENE_KEY,) if v.name in ds.variables)
-    if kind in (HISTORY, BOUNCES, COST):
+    if kind in (HISTORY, BOUNCES, CHAIN, COST):
         own = ("steps", "friction", "contacts", "sliding", "sensors", "strains") if kind == HISTORY else ()
         more = [v for word in own if has(ds, word) for v in TABLE[f"{HISTORY} {word}"]]
         return (*(v for v in (*TABLE[kind], *more) if v.name not in later), *constants)

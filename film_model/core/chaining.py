@@ -1,0 +1,111 @@
+"""The core's chain of bodies, seen from Python. Nothing else knows its structures (film_chain.h)."""
+
+from __future__ import annotations
+
+import ctypes as c
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from film_model.core import native
+
+Array = NDArray[np.float64]
+
+MOST_STEPS = 500_000
+_D, _I = c.c_double, c.c_int32
+
+
+class Contact(c.Structure):
+    """film_chain_contact: a law with its units, between a body and the next or the support."""
+
+    _fields_ = [("curve", c.c_void_p), *((name, _D) for name in ("length", "force", "depth", "damping", "gap"))]
+
+
+class Chain(c.Structure):
+    """film_chain: the bodies, their contacts and how they are followed."""
+
+    _fields_ = [
+        *(("bodies", _I), ("contacts", _I)),
+        *((name, c.c_void_p) for name in ("mass", "velocity", "contact")),
+        *((name, _D) for name in ("gravity", "limit", "tolerance")),
+        *(("most_steps", _I), ("reserved", _I)),
+    ]
+
+
+class Summary(c.Structure):
+    """film_chain_summary: what one contact did."""
+
+    _fields_ = [
+        *(
+            (name, _D)
+            for name in ("largest_force", "time_of_largest_force", "largest_indentation", "begins", "ends", "work")
+        ),
+        *(("count", _I), ("touching", _I)),
+    ]
+
+
+SUMMARY_DTYPE = np.dtype(Summary)
+
+
+@dataclass(frozen=True)
+class Run:
+    """What a run did, in the units of the chain. status: of the core. contacts: SUMMARY_DTYPE. samples: indentation,
+    velocity and force of all bodies (the contact behind each) at each time: (times, 3, bodies). failed: the contact
+    whose law refused the motion."""
+
+    status: int
+    time: float
+    steps: int
+    indentation: Array
+    velocity: Array
+    contacts: NDArray[Any]
+    samples: Array
+    failed: int
+
+
+@lru_cache(maxsize=1)
+def _library() -> Any:
+    """The core's library, with the functions of film_chain.h declared."""
+    lib, pointer = native.library(), c.c_void_p
+    lib.film_chain_size.argtypes, lib.film_chain_size.restype = [_I], c.c_size_t
+    lib.film_chain_run.argtypes = [*[pointer] * 5, c.c_int64, *[pointer] * 5]
+    lib.film_chain_run.restype = c.c_int
+    sizes = (c.c_int64 * 3)()
+    lib.film_chain_sizes(sizes)
+    if list(sizes) != [c.sizeof(kind) for kind in (Chain, Contact, Summary)]:
+        raise ImportError("the core was built from other sources: install the package again (pip install .)")
+    return lib
+
+
+def run(
+    mass: Array,
+    velocity: Array,
+    contacts: Sequence[tuple[native.Curve, float, float, float, float, float]],
+    *,
+    gravity: float,
+    limit: float,
+    tolerance: float,
+    times: Any,
+) -> Run:
+    """Follow a chain. contacts: curve, units of indentation and force, depth, factor of the damping, and gap. limit,
+    times: of the end and of the samples, ascending; limit may be infinite."""
+    lib, n = _library(), mass.size
+    given = (Contact * max(len(contacts), 1))(*(Contact(c.addressof(curve), *numbers) for curve, *numbers in contacts))
+    mass, velocity, times = (np.ascontiguousarray(column, dtype=np.float64) for column in (mass, velocity, times))
+    chain = Chain(
+        *(n, len(contacts), mass.ctypes.data, velocity.ctypes.data, c.addressof(given)),
+        *(gravity, limit, tolerance, MOST_STEPS, 0),
+    )
+    time, steps, failed = _D(), _I(), _I(-1)
+    ends, found = np.empty((2, n)), np.zeros(len(contacts), SUMMARY_DTYPE)
+    samples, memory = np.empty((times.size, 3, n)), np.empty(lib.film_chain_size(n) // 8 + 1)
+    status = lib.film_chain_run(
+        *(c.byref(chain), c.byref(time), ends[0].ctypes.data, ends[1].ctypes.data, found.ctypes.data),
+        *(times.size, times.ctypes.data, samples.ctypes.data),
+        *(c.byref(steps), c.byref(failed), memory.ctypes.data),
+    )
+    return Run(status, time.value, steps.value, ends[0], ends[1], found, samples, failed.value)

@@ -1,0 +1,59 @@
+"""The picture of a chain of bodies: velocities and contact forces over time, of many bodies as waves along the row."""
+
+from __future__ import annotations
+
+import os
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from film_model.plot.style import COLOURS, picture, plain, prefixed_unit
+from film_model.solve.chain_motion import ChainMotion
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+FEW = 6
+"""Up to so many bodies each has a line; more are a map."""
+
+POINTS = 501
+SIZE = (7.2, 5.4)  # inches
+
+
+def plot_chain(motion: ChainMotion, path: str | os.PathLike[str] | None = None, dpi: float = 200.0) -> Figure:
+    """Velocities and forces over time, while forces act. Files, errors and dpi: see `style.picture`."""
+    return picture(path, lambda figure: _draw(figure, motion), SIZE, dpi)
+
+
+def _draw(figure: Figure, motion: ChainMotion) -> None:
+    figure.set_layout_engine("constrained")
+    times = np.linspace(*motion.span, POINTS)
+    values = motion.sample_si(times)
+    second, unit_of_time = prefixed_unit(times, "time")
+    panels: Any = figure.subplots(2, sharex=True)
+    for panel, name, dimension, what in zip(
+        panels, ("velocity", "contact_force"), ("velocity", "force"), ("body", "contact"), strict=True
+    ):
+        rows = values[name]
+        size, unit = prefixed_unit(rows, dimension)
+        label = f"{dimension} ({unit})"
+        if len(motion.values["body_mass"]) > FEW:
+            edges = np.arange(len(rows) + 1) + 0.5
+            drawn = panel.pcolormesh(_edges(times) / second, edges, rows / size, cmap="viridis", rasterized=True)
+            figure.colorbar(drawn, ax=panel, label=label)
+            panel.set_ylabel(what)
+            continue
+        for number, row in enumerate(rows):
+            panel.plot(times / second, row / size, color=COLOURS[number], label=f"{what} {number + 1}")
+        panel.set_ylabel(label)
+        panel.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), frameon=False)
+    panels[-1].set_xlabel(f"time ({unit_of_time})")
+    panels[-1].set_xlim(times[0] / second, times[-1] / second)
+    title = " ".join(motion.chain.title.split()) or f"Chain of {len(motion.values['mass'])} bodies"
+    panels[0].set_title(plain(title), fontsize=min(11.0, 600.0 / len(title)), fontweight="bold", loc="left")
+
+
+def _edges(times: np.ndarray[Any, Any]) -> Any:
+    """Edges of cells around even times."""
+    half = 0.5 * (times[1] - times[0])
+    return np.append(times - half, times[-1] + half)

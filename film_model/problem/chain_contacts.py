@@ -1,0 +1,81 @@
+"""The contacts of a chain of bodies: the law of each, its curve and its scales."""
+
+from __future__ import annotations
+
+import math
+from typing import Any, NamedTuple
+
+from film_model.base.errors import SimulationError
+from film_model.laws import LAWS, AbstractLaw
+from film_model.problem.curve import Curve, curve_of
+from film_model.problem.law_of_scene import ELASTIC, YIELDING, SceneLaw, can_yield
+from film_model.scene import STANDARD_GRAVITY, Scene
+from film_model.scene.chain import Chain
+
+LEAST_DEPTH = 1e-9
+"""Over δ_s."""
+
+
+class ChainContact(NamedTuple):
+    """A contact in SI: the scene of its two bodies, its law and curve, δ_s [m], F_s [N], about its largest indentation
+    [δ_s], damping [N s/m], gap [m]."""
+
+    scene: Scene
+    law: AbstractLaw
+    curve: Curve
+    length: float
+    force: float
+    depth: float
+    damping: float
+    gap: float
+
+
+def speed_of(chain: Chain) -> float:
+    """The largest velocity of approach at the start, or after the fall of a chain with weight, m/s."""
+    row = chain.row
+    after = [body.velocity for body in row[1:]] + ([0.0] if chain.target is not None else [])
+    fastest = max(0.0, *(body.velocity - other for body, other in zip(row, after, strict=False)))
+    fall = 2.0 * STANDARD_GRAVITY * row[-1].gap if chain.gravity else 0.0
+    if fastest == fall == 0.0:
+        raise SimulationError("no body of the chain approaches the next one: give a velocity, or gravity and a gap")
+    return math.sqrt(fastest**2 + fall)
+
+
+def contacts_of(chain: Chain) -> list[ChainContact]:
+    """The contact behind each body; the last body has one if there is a target. Raises as `simulate_chain` does."""
+    made, speed = dict[int, tuple[AbstractLaw, Curve, float, float, float, float]](), speed_of(chain)
+    scenes = chain.pairs(speed)
+    for scene in scenes:
+        if id(scene) not in made:
+            made[id(scene)] = _law_in(scene, speed)
+    return [ChainContact(scene, *made[id(scene)], body.gap) for scene, body in zip(scenes, chain.row, strict=False)]
+
+
+def _law_in(scene: Scene, speed: float) -> tuple[AbstractLaw, Curve, float, float, float, float]:
+    """Law, curve, δ_s, F_s, depth and damping of a contact."""
+    given: Any = scene.contact.law
+    if given == "auto":
+        given = YIELDING if scene.yield_strength is not None and can_yield(scene) else ELASTIC
+    for part in (scene.impactor, scene.target):
+        if part.material is not None and part.material.prony is not None:
+            raise SimulationError("the relaxation of a viscoelastic material is not simulated in a chain")
+    law = SceneLaw.of(scene, LAWS[given] if isinstance(given, str) else given).at()
+    length, force = law.scales(scene.kinetic_energy)
+    damping, twice = (law.damping_factor(scene.effective_mass, v, length) for v in (speed, 2.0 * speed))
+    if damping != twice:
+        raise SimulationError(
+            f'the damping of contact law "{law.name}" depends on the velocity of approach, which differs from contact '
+            "to contact in a chain: give a law whose damping does not, such as tsuji"
+        )
+    curve = curve_of(law)
+    return law, curve, length, force, _depth(curve, scene.kinetic_energy / (force * length)), damping
+
+
+def _depth(curve: Curve, energy: float) -> float:
+    """ξ at which the work of loading [F_s δ_s] is about the energy, by doubling; at most the end of the law."""
+    last, depth = curve.native.stage[curve.native.stages - 1].end, 1.0
+    while depth < last and curve.work(depth) < energy:
+        depth *= 2.0
+    while curve.work(depth) > 4.0 * energy and depth > LEAST_DEPTH:
+        depth *= 0.5
+    return min(depth, last)

@@ -304,7 +304,7 @@ class Motion:
     def sensed(self, weights: Array) -> Array:
         """Displacement, velocity and acceleration of points of the structure now: (3, points). weights: (points,
         modes), the deflection of each mode there over that at the struck point."""
-        found, structure, _, *own = np.empty((len(weights), 3)), *self._at()
+        found, structure, _, *own = np.empty((len(weights), 3)), *self.pointers()
         _library().film_modal_sensed(structure, *own, len(weights), weights.ctypes.data, found.ctypes.data)
         return found.T
 

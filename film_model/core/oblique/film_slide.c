@@ -138,7 +138,7 @@ int film_slide_on_modes(film_structure *structure, const film_curve *curve, film
         if (status != FILM_OK) return status;
         film_modal step = *state;
         double left = dt;
-        status = film_advance(structure, curve, state, &dt);
+        status = film_advance(structure, curve, state, waves, &dt);
         if (status == FILM_EVENT) state->steps += EVENT_WORK;
         if (status < 0) return status;
         int slid = slide_step(structure, curve, step, waves, left - dt, friction, rows, sliding);

@@ -2,6 +2,7 @@
 
 import json
 import math
+import pickle
 import re
 from pathlib import Path
 
@@ -52,7 +53,7 @@ def test_force_behind_noisy_accelerations(bracket, tmp_path, names):
     for seed in range(2):
         path = measured(tmp_path / "m.csv", times, noisy(moved, seed)[: len(names)], names)
         found = fd.identify_force(path, history.scene)
-        assert found.warnings == ()
+        assert found.warnings == () and pickle.loads(pickle.dumps(found)) == found
         true = np.interp(found.time - 500e-6, times, force)
         inside = (found.low <= true) & (true <= found.high)
         assert inside[1:-1].mean() > 0.9

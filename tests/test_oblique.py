@@ -475,5 +475,5 @@ def test_what_cannot_be_simulated_is_refused_in_a_sentence(tmp_path):
         fm.simulate(fm.Scene(scene.impactor, scene.target, sticky))
     with pytest.raises(fm.SceneError, match="friction"):
         fm.Contact("hertz", friction=-0.1)
-    with pytest.raises(fm.SceneError, match='"solid" or "shell" is needed'):
+    with pytest.raises(fm.SceneError, match=r'"solid" or "shell" or .* is needed'):
         fm.Sphere("5 mm", "1 m/s", material=STEEL, shape="cube")

@@ -149,7 +149,7 @@ def test_the_dataset_of_a_history_holds_its_friction(scene, tmp_path):
         warnings.simplefilter("ignore")
         history = fm.simulate(scene)
     ds = history.to_dataset()
-    assert fd.validate(ds) == [] and ds.attrs["film_model_schema_version"] == "1.6"
+    assert fd.validate(ds) == [] and ds.attrs["film_model_schema_version"] == "1.7"
     assert set(OBLIQUE) <= set(ds.variables) and ds["friction_time"].size == history.oblique.motion["time"].size
     fd.write(ds, tmp_path / "oblique.nc")
     with fd.open(tmp_path / "oblique.nc") as stored:

@@ -37,7 +37,7 @@ MOST_PANELS = 6
 """Sensors in the picture."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class IdentifiedForce:
     """A contact force, SI, linear between the times and 0 before and after. low, high: interval at the level
     `confidence`. impulse: with its interval. fitted: motions by this force in the order of `motions`."""
@@ -52,6 +52,10 @@ class IdentifiedForce:
     fitted: Array
     scene: Scene = field(repr=False)
     warnings: tuple[str, ...] = ()
+
+    def __eq__(self, other: object) -> bool:
+        same = isinstance(other, IdentifiedForce) and self.scene == other.scene
+        return same and self.to_dict() == other.to_dict()
 
     @property
     def largest(self) -> tuple[float, float, float]:
@@ -187,6 +191,16 @@ def identify_force(
 
     Raises SceneError for mistakes in the file, ValueError for a target without sensors or vibrations, SimulationError
     if the vibrations cannot be computed.
+
+    >>> beam = fm.Beam("mild steel", "300 mm", "20 mm", "10 mm", "free", sensors=[{"name": "tip", "position": "0.2 m"}])
+    >>> struck = fm.simulate(fm.Scene(fm.Sphere("10 mm", "1 m/s", material="nylon 6/6"), beam), accuracy=1e-4)
+    >>> times = [k * 5e-6 for k in range(400)]
+    >>> rows = [f"{t!r}, {a!r}" for t, a in zip(times, struck.sensed_si(times).acceleration[0].tolist())]
+    >>> with open("tip.csv", "w") as file:
+    ...     print("time [s], tip [m/s^2]", *rows, sep=chr(10), file=file)
+    >>> force, low, high = fd.identify_force("tip.csv", struck.scene).largest
+    >>> print(f"{force:.0f} N of {struck.summary['maximum_force']:.0f} N")
+    128 N of 128 N
     """
     if isinstance(confidence, bool) or not 0.5 <= confidence < 1.0:
         raise ValueError(f"confidence: {confidence!r} is not allowed: a number from 0.5 to below 1 is needed")

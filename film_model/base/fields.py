@@ -238,11 +238,11 @@ def fill_ball(target: object, values: Mapping[str, object]) -> list[Mistake]:
 
 
 def _sized(missing: Mistake, ball: Any) -> Mistake:
-    """A mistake; that of a missing radius with the diameter of a ball of the given mass and material."""
+    """A mistake; that of a missing radius with the diameter of a solid ball of the given mass and material."""
     density = getattr(ball.material, "density", None)
     if missing.key.rpartition(".")[2] != "radius":
         return missing
-    if ball.mass is None or density is None:
+    if ball.mass is None or density is None or ball.shape not in (None, "solid"):
         return replace(missing, message=f"{missing.message}, or a diameter")
     size = format_si((6.0 * ball.mass / (math.pi * density)) ** (1.0 / 3.0), "length")
     of = f"{format_si(ball.mass, 'mass')} of {ball.material.name or 'this material'}"

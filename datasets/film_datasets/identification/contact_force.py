@@ -204,13 +204,8 @@ def identify_force(
     """
     if isinstance(confidence, bool) or not 0.5 <= confidence < 1.0:
         raise ValueError(f"confidence: {confidence!r} is not allowed: a number from 0.5 to below 1 is needed")
-    target = scene.target
-    if not target.sensors:
-        raise ValueError("the target has no sensors: give them as [[target.sensors]]")
-    if target.modes_missing:
-        raise ValueError(f"the vibrations of the target are not known: {target.modes_missing}")
-    motions = sensor_motions(path, [sensor.name for sensor in target.sensors], columns)
-    own = _responses(target, motions)
+    motions = _motions(path, scene.target, columns)
+    own = _responses(scene.target, motions)
     groups = (motions.values[[q == one for one in motions.quantities]] for q in motions.quantities)
     sizes = [float(np.abs(group).max()) for group in groups]
     if not all(sizes):
@@ -234,6 +229,14 @@ def identify_force(
         scene,
         tuple(_warnings(found, motions, fitted)),
     )
+
+
+def _motions(path: str | os.PathLike[str], target: AbstractTarget, columns: Mapping[str, str] | None) -> Motions:
+    if not target.sensors:
+        raise ValueError("the target has no sensors: give them as [[target.sensors]]")
+    if target.modes_missing:
+        raise ValueError(f"the vibrations of the target are not known: {target.modes_missing}")
+    return sensor_motions(path, [sensor.name for sensor in target.sensors], columns)
 
 
 def _responses(target: AbstractTarget, motions: Motions) -> list[Array]:

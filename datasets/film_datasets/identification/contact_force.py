@@ -54,8 +54,9 @@ class IdentifiedForce:
     warnings: tuple[str, ...] = ()
 
     def __eq__(self, other: object) -> bool:
-        same = isinstance(other, IdentifiedForce) and self.scene == other.scene
-        return same and self.to_dict() == other.to_dict()
+        if not isinstance(other, IdentifiedForce):
+            return False
+        return self.scene == other.scene and self.to_dict() == other.to_dict()
 
     @property
     def largest(self) -> tuple[float, float, float]:

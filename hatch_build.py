@@ -12,6 +12,7 @@ import subprocess
 import sys
 import sysconfig
 import tempfile
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
@@ -154,39 +155,39 @@ class CustomBuildHook(BuildHookInterface):
         return ["fmpy>=0.3.20", "ziglang"] if has_zig() or not system_compiler() else ["fmpy>=0.3.20"]
 
     def initialize(self, version: str, build_data: dict[str, Any]) -> None:
+        jobs: list[tuple[list[str], str, tuple[str, ...]]]
         if target := os.environ.get("FILM_TARGET"):
             tag, suffix = TARGETS[target], suffix_for(target)
             core, fmu = (str(Path(name).with_suffix(suffix)) for name in (LIBRARY, platforms.built_library()))
             zig = [sys.executable, "-m", "ziglang", "cc", *FLAGS, "-s", "-shared", "-target", target]
-            for name, arguments in ((core, [f"-I{CORE}", *SOURCES]), (fmu, platforms.arguments(Path(self.root)))):
-                self.run([*zig, *platforms.linked(Path(name).name), *arguments], name)
+            made = ((core, [f"-I{CORE}", *SOURCES]), (fmu, platforms.arguments(Path(self.root))))
+            jobs = [([*zig, *platforms.linked(Path(name).name), *arguments], name, ()) for name, arguments in made]
         else:
             own, core, fmu = system_compiler(), LIBRARY, platforms.built_library()
             compiler = own or zig_compiler()
             old = ["-include", str(Path(self.root, platforms.RUNTIME, "old_glibc.h"))] if own else []
-            self.compile(compiler, core, [*old, f"-I{CORE}", *SOURCES])
-            self.compile(compiler, fmu, [*old, *platforms.arguments(Path(self.root))])
-            tag = wheel_tag([Path(self.root, name).read_bytes() for name in (core, fmu)])
-        build_data["pure_python"] = False
-        build_data["tag"] = f"py3-none-{tag}"
+            made = ((core, [f"-I{CORE}", *SOURCES]), (fmu, platforms.arguments(Path(self.root))))
+            jobs = [([*compiler, *FLAGS, *SHARED, *old, *arguments], name, LINK) for name, arguments in made]
+            tag = None
         build_data["artifacts"] += [f"/{core}", f"/{fmu}"]
         if importlib.util.find_spec("ziglang"):
-            self.compile_for_browsers()
             build_data["artifacts"] += [f"/{WASM}"]
+            if self.browsers_need():
+                jobs.append(([sys.executable, "-m", "ziglang", "cc", *WASM_FLAGS, *WASM_SOURCES], WASM, ()))
+        with ThreadPoolExecutor() as pool:
+            list(pool.map(lambda job: self.run(*job), jobs))
+        tag = tag or wheel_tag([Path(self.root, name).read_bytes() for name in (core, fmu)])
+        build_data["pure_python"] = False
+        build_data["tag"] = f"py3-none-{tag}"
 
-    def compile_for_browsers(self) -> None:
-        """The core in WebAssembly for the explorer, unless it is newer than all that it is made of."""
+    def browsers_need(self) -> bool:
+        """Whether the core in WebAssembly for the explorer is older than what it is made of, or is not there."""
         root = Path(self.root)
         made_of = [root / name for name in (*WASM_SOURCES, __file__)] + list((root / CORE).rglob("*.h"))
         built = root / WASM
-        if not (built.exists() and built.stat().st_mtime > max(file.stat().st_mtime for file in made_of)):
-            self.run([sys.executable, "-m", "ziglang", "cc", *WASM_FLAGS, *WASM_SOURCES], WASM)
+        return not (built.exists() and built.stat().st_mtime > max(file.stat().st_mtime for file in made_of))
 
-    def compile(self, compiler: list[str], name: str, arguments: list[str]) -> None:
-        """Compile a shared library."""
-        self.run([*compiler, *FLAGS, *SHARED, *arguments], name, LINK)
-
-    def run(self, command: list[str], name: str, last: tuple[str, ...] = ()) -> None:
+    def run(self, command: list[str], name: str, last: tuple[str, ...]) -> None:
         """Compile beside the library and rename, so that no half-written library is ever in its place."""
         library = Path(self.root, name)
         with tempfile.TemporaryDirectory(dir=library.parent, prefix=".build-") as folder:

@@ -176,8 +176,8 @@ JUDGED = ("maximum_force", "maximum_indentation", "permanent_indentation", "cont
 @pytest.mark.parametrize("case", MOVED)
 def test_validity_is_right_in_random_runs_with_moving_supports(made, case):
     """Against `simulate` of the same impact: no run that is off by more than 1.5 % is valid, and none within 0.5 % is
-    not, unless the library warns of what neither simulates, or leaves out what is within 15 % of the tolerance, to which ranges
-    are known. As effects are judged: dents over
+    not, unless the library warns of what neither simulates, or leaves out what is within 15 % of the tolerance, to
+    which ranges are known. As effects are judged: dents over
     the largest indentation, velocities over that of approach, energies over that of the impact."""
     rng, on, kinds = random.Random(case), MOVED[case], set()
     with opened(made(on)) as fmu:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Any, NamedTuple
@@ -36,7 +37,7 @@ from fmu_wrapper.variables import Kind
 SPEEDS = (0.5, 1.5, 5.0, 20.0, 150.0)
 """Multiples of the yield velocity on which the mesh of law "auto" is tried: each stage of the law is reached."""
 
-STRIDE, STRIDES, OTHER_STRIDES, HALVINGS = 3.0, 8, 3, 3
+STRIDE, STRIDES, OTHER_STRIDES, HALVINGS = 3.0, 8, 3, 6
 """The velocity, or another parameter, is changed by this factor so often to find where its range of validity ends; then
 the logarithm of the last factor is bisected."""
 
@@ -170,11 +171,8 @@ def _slower(scene: Scene, bad: float, own: Choice, highest: float | None) -> tup
     good = next((v for v in (bad / STRIDE**k for k in range(1, STRIDES + 1)) if not fails(v)), 0.0)
     if good == 0.0:
         return 0.0, 0.0
-    bad = min(bad, good * STRIDE)
-    for _ in range(HALVINGS):
-        middle = math.sqrt(good * bad)
-        good, bad = (good, middle) if fails(middle) else (middle, bad)
-    return _end(scene, "initial_velocity", good, 1.0 / STRIDE, own, highest)[0], good
+    high, _ = _bisected(good, good * STRIDE, "", fails)
+    return _end(scene, "initial_velocity", good, 1.0 / STRIDE, own, highest)[0], high
 
 
 def _values(scene: Scene) -> dict[str, float]:
@@ -189,19 +187,24 @@ def _values(scene: Scene) -> dict[str, float]:
 
 def _end(scene: Scene, name: str, value: float, factor: float, own: Choice, highest: float | None) -> tuple[float, str]:
     """The value up to which nothing more fails than at the export, and what fails beyond; "" if nothing does."""
-    good, bad, fails = 0.0, 0.0, ""
-    for _ in range(STRIDES if name == "initial_velocity" else OTHER_STRIDES):
-        good, bad = bad, bad + 1.0
-        fails = _new(scene, name, value * factor**bad, own, highest)
-        if fails:
-            break
-    else:
-        return (0.0 if factor < 1.0 else math.inf), ""
+
+    def fails(tried: float) -> str:
+        return _new(scene, name, tried, own, highest)
+
+    for stride in range(STRIDES if name == "initial_velocity" else OTHER_STRIDES):
+        good, bad = value * factor**stride, value * factor ** (stride + 1)
+        if why := fails(bad):
+            return _bisected(good, bad, why, fails)
+    return (0.0 if factor < 1.0 else math.inf), ""
+
+
+def _bisected(good: float, bad: float, why: str, fails: Callable[[float], str]) -> tuple[float, str]:
+    """The last value from `good` towards `bad` at which nothing fails, and what fails at the next one tried."""
     for _ in range(HALVINGS):
-        middle = 0.5 * (good + bad)
-        found = _new(scene, name, value * factor**middle, own, highest)
-        good, bad, fails = (good, middle, found) if found else (middle, bad, fails)
-    return value * factor**good, fails
+        middle = math.sqrt(good * bad)
+        found = fails(middle)
+        good, bad, why = (good, middle, found) if found else (middle, bad, why)
+    return good, why
 
 
 def _new(scene: Scene, name: str, value: float, own: Choice, highest: float | None) -> str:

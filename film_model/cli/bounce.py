@@ -5,16 +5,7 @@ from __future__ import annotations
 import argparse
 from typing import TYPE_CHECKING, Any
 
-from film_model.cli.output import (
-    DONE,
-    add_force,
-    add_json,
-    add_plot,
-    check_outputs,
-    print_json,
-    print_warnings,
-    print_written,
-)
+from film_model.cli.output import add_force, add_json, add_plot, check_outputs, give
 
 if TYPE_CHECKING:
     from film_model.solve.bounce import Bounce, Bounces
@@ -43,19 +34,7 @@ def bounce(options: argparse.Namespace) -> int:
 
     check_outputs(options)
     done = bounce_quietly(Scene.from_toml(options.scene), resolution=options.resolution, accuracy=options.accuracy)
-    if options.output:
-        import film_datasets
-
-        film_datasets.write(done.to_dataset(), options.output, overwrite=options.force)
-    if options.plot:
-        done.plot(options.plot)
-    if options.json:
-        print_json(done.to_dict())
-    else:
-        print(_table(done, len(done.bounces) if options.verbose else MOST_ROWS))
-        print_written(options.output, options.plot)
-    print_warnings(done.warnings)
-    return DONE
+    return give(options, done, lambda: _table(done, len(done.bounces) if options.verbose else MOST_ROWS))
 
 
 def _table(done: Bounces, most: int) -> str:

@@ -6,7 +6,7 @@ import argparse
 from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
 
-from film_model.cli.output import DONE, check_outputs, print_json, print_warnings, print_written
+from film_model.cli.output import check_outputs, give
 
 if TYPE_CHECKING:
     from film_model.solve.chain_motion import ChainMotion
@@ -33,19 +33,7 @@ def run_chain(options: argparse.Namespace) -> int:
         table = chain.to_table()
         chain = Chain.from_table({**table, "solver": {**table["solver"], "accuracy": options.accuracy}})
     motion = simulate_chain_quietly(chain)
-    if options.output:
-        import film_datasets
-
-        film_datasets.write(motion.to_dataset(), options.output, overwrite=options.force)
-    if options.plot:
-        motion.plot(options.plot)
-    if options.json:
-        print_json(motion.to_dict())
-    else:
-        print(_text(motion, options.verbose))
-        print_written(options.output, options.plot)
-    print_warnings(motion.warnings)
-    return DONE
+    return give(options, motion, lambda: _text(motion, options.verbose))
 
 
 def _text(motion: ChainMotion, verbose: bool) -> str:

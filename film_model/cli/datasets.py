@@ -15,6 +15,7 @@ from film_model.cli.output import (
     add_style,
     check_outputs,
     check_writable,
+    give,
     listed,
     print_json,
     print_note,
@@ -238,15 +239,7 @@ def identify(options: argparse.Namespace) -> int:
     if options.law:
         return _compare(options, measured, scene, given)
     found = film_datasets.identify(measured, scene, listed(options.fit), options.confidence, **given)
-    if options.plot:
-        found.plot(options.plot)
-    if options.json:
-        print_json(found.to_dict())
-    else:
-        print(found.table())
-        print_written(options.plot)
-    print_warnings(found.warnings)
-    return DONE
+    return give(options, found, found.table)
 
 
 def _identify_force(options: argparse.Namespace, scene: Scene, columns: dict[str, str]) -> int:
@@ -259,17 +252,7 @@ def _identify_force(options: argparse.Namespace, scene: Scene, columns: dict[str
     if len(options.measured) > 1:
         raise ValueError(f"--force-from: {len(options.measured)} files are given, one is needed")
     found = film_datasets.identify_force(options.measured[0], scene, options.confidence, columns=columns)
-    if options.output:
-        film_datasets.write(found.to_dataset(), options.output, overwrite=options.force)
-    if options.plot:
-        found.plot(options.plot)
-    if options.json:
-        print_json(found.to_dict())
-    else:
-        print(found.table())
-        print_written(options.output, options.plot)
-    print_warnings(found.warnings)
-    return DONE
+    return give(options, found, found.table)
 
 
 def _compare(options: argparse.Namespace, measured: Any, scene: Scene, given: dict[str, Any]) -> int:

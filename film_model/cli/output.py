@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import os
 import sys
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from typing import Any
 
 from film_model.base.files import check_replaceable
@@ -59,6 +59,26 @@ def print_warnings(warnings: Iterable[str]) -> None:
     """Print warnings to standard error."""
     for warning in warnings:
         print(f"warning: {warning}", file=sys.stderr)
+
+
+def give(options: argparse.Namespace, result: Any, text: Callable[[], str]) -> int:
+    """Write, draw and print a result as --output, --plot and --json ask, and its warnings; returns DONE.
+
+    result: has to_dataset, plot, to_dict and warnings. text: of the result, without --json.
+    """
+    if options.output:
+        import film_datasets
+
+        film_datasets.write(result.to_dataset(), options.output, overwrite=options.force)
+    if options.plot:
+        result.plot(options.plot)
+    if options.json:
+        print_json(result.to_dict())
+    else:
+        print(text())
+        print_written(options.output, options.plot)
+    print_warnings(result.warnings)
+    return DONE
 
 
 def listed(text: str | None) -> list[str]:

@@ -44,7 +44,7 @@ WASM = "film_model/explorer/_film_core.wasm"
 FRICTION = platforms.core("oblique", "friction", "friction_step", "springs", "radii")
 WASM_SOURCES = (*platforms.MARCH, *platforms.MODES, *ONE_IMPACT, *FRICTION)
 WASM_FLAGS = (
-    *("-target", "wasm32-wasi", "-mexec-model=reactor", *FLAGS, "-O2", "-s", f"-I{CORE}"),
+    *("-target", "wasm32-wasi", "-mexec-model=reactor", *FLAGS, "-Os", "-s", f"-I{CORE}"),
     *("-Wl,--export-dynamic", "-Wl,--export=__heap_base"),
 )
 OLDEST_GLIBC = (2, 17)  # the oldest that Python's package index serves on all processors (manylinux2014)

@@ -66,8 +66,14 @@ class PageLaw:
 
     @property
     def page(self) -> Page | None:
-        """The curves of all shapes that a law with a shape may have here."""
-        return page_between(self.law.of_shape(EDGES[2]), *ALL_SHAPES) if page_of(self.law) is not None else None
+        """The curves of all shapes that a law with a shape may have here, with one value for all scenes of the numbers
+        beside it that the page changes: its formulas compute what depends on them."""
+        if page_of(self.law) is None:
+            return None
+        beside = {name: ends for name, ends in self.law.shaped_beside.items() if entry_of(name) in FROM_SCENE}
+        middle = {name: 0.5 * sum(ends) for name, ends in beside.items() if name not in self.fixed}
+        one: Any = self.law.of_shape(EDGES[2])
+        return page_between(replace(one, **middle), *ALL_SHAPES)
 
     @property
     def curve(self) -> Curve:

@@ -93,16 +93,21 @@ def test_a_ball_bounces_on_with_its_spin_until_it_rolls():
     assert now.friction_work == pytest.approx(lost - 0.2 * on.mass * (0.01 * now.spin) ** 2, rel=1e-6)
 
 
+def assert_restored(component, time):
+    """The same motion from a saved state."""
+    saved = component.save()
+    component.step(time)
+    first = component.sliding
+    component.restore(saved)
+    component.step(time)
+    assert component.sliding == first
+
+
 def test_a_saved_state_leads_to_the_same_motion():
     history, _ = after(scene(psi=0.7))
     component = fm.ImpactComponent(scene(psi=0.7))
     component.step(0.4 * history.duration, tangential_force=2.0, tangential_support_velocity=0.01)
-    saved = component.save()
-    component.step(history.duration)
-    first = component.sliding
-    component.restore(saved)
-    component.step(history.duration)
-    assert component.sliding == first
+    assert_restored(component, history.duration)
     component.reset()
     assert component.sliding == fm.ImpactComponent(scene(psi=0.7)).sliding
 
@@ -172,12 +177,7 @@ def test_on_a_beam_that_vibrates(psi):
         short.step(1.01 * history.duration / 7)
     assert short.sliding.sliding_velocity == pytest.approx(component.sliding.sliding_velocity, abs=1e-5 * before)
     component.reset()
-    saved = component.save()
-    component.step(history.duration)
-    first = component.sliding
-    component.restore(saved)
-    component.step(history.duration)
-    assert component.sliding == first
+    assert_restored(component, history.duration)
 
 
 def test_pushes_without_friction_are_refused():

@@ -6,7 +6,7 @@ from film_datasets.schema.motion_variables import number, spaced
 from film_datasets.schema.variable import INTEGER, TEXT, Variable
 from film_model.solve.chain_motion import BODIES, CONTACTS
 
-ABSENT = "NaN if there is none"
+ABSENT = "NaN if it does not happen"
 
 CHAINS = (
     number("t", ("t",), "time", "time since the start"),

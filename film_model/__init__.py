@@ -28,4 +28,5 @@ def __getattr__(name: str) -> Any:
 
 
 def __dir__() -> list[str]:
-    return sorted({*__getattr__("__all__"), *globals()} - {"annotations", "import_module", "Any", "TYPE_CHECKING"})
+    """The public names, without the submodules that happen to be loaded."""
+    return sorted(__getattr__("__all__"))

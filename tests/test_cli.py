@@ -351,6 +351,7 @@ def test_one_material_with_its_sources(capsys):
             "impact.fmu",
             'impact.fmu: is an FMU: "film-model check-fmu" reads it; a scene or a sweep (TOML) is needed',
         ),
+        ("check", "impact.fmu", 'impact.fmu: is an FMU: "film-model check-fmu" reads it'),
         (
             "plot",
             "scene.toml",
@@ -361,7 +362,8 @@ def test_one_material_with_its_sources(capsys):
 def test_a_file_of_another_kind_is_named(command, file, said, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     (tmp_path / file).write_text("velocity\n", "utf-8")
-    assert main([command, file, "--output" if command != "plot" else "--quantity", "y.nc"]) in (2, 3)
+    options = {"plot": ["--quantity", "y"], "check": []}.get(command, ["--output", "y.nc"])
+    assert main([command, file, *options]) in (2, 3)
     assert capsys.readouterr().err.startswith(said)
 
 

@@ -7,6 +7,14 @@ import json
 
 import public_names
 
+import film_model as fm
+
+
+def test_dir_lists_the_public_names_only():
+    assert {"cli", "solve"} <= vars(fm).keys()  # loaded, and not listed
+    assert dir(fm) == sorted({*fm.__all__})
+    assert {"Scene", "HalfSpace", "LAWS", "simulate", "__version__"} <= {*dir(fm)}
+
 
 def test_no_public_name_is_gone_or_renamed():
     stored, now = json.loads(public_names.STORED.read_text(encoding="utf-8")), public_names.names()

@@ -11,14 +11,23 @@ FILTERS = {1, 2, 3}
 """HDF5's numbers of the filters that a file may need: deflate, shuffle and Fletcher-32. Others are plugins, which the
 library would load from a folder."""
 
+AN_FMU = 'is an FMU: "film-model check-fmu" reads it'
+
+NO_DATASETS = {
+    ".toml": 'is a scene or a sweep, no dataset: "film-model run" and "film-model sweep" read it',
+    ".fmu": AN_FMU,
+}
+"""Files that are given in place of a dataset."""
+
 
 def check_hdf5(source: str | os.PathLike[str]) -> None:
     """ValueError for an HDF5 file whose content is in other files, that needs other filters, that another program
     writes, or whose attributes are damaged: the netCDF library follows links, and may end the process for the last."""
     import h5py  # lazy: only files need it
 
-    if os.fspath(source).lower().endswith(".toml"):
-        raise ValueError('is a scene or a sweep, no dataset: "film-model run" and "film-model sweep" read it')
+    other = NO_DATASETS.get(os.path.splitext(source)[1].lower())
+    if other:
+        raise ValueError(other)
     try:
         if not h5py.is_hdf5(source):
             return  # classic netCDF, or for the netCDF library to refuse

@@ -6,9 +6,10 @@ import argparse
 from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
 
-from film_model.cli.output import check_outputs, give
+from film_model.cli.output import give
 
 if TYPE_CHECKING:
+    from film_model.scene.chain import Chain
     from film_model.solve.chain_motion import ChainMotion
 
 MOST_ROWS = 8
@@ -20,18 +21,15 @@ ROUNDING, CONSERVED = 1e-11, 1e-12
 NOT_FOR_CHAINS = ("strobe", "segments", "linearisation", "derivatives")
 
 
-def run_chain(options: argparse.Namespace) -> int:
-    from film_model.scene.chain import Chain
+def run_chain(chain: Chain, options: argparse.Namespace) -> int:
     from film_model.solve.chain_motion import simulate_chain_quietly
 
     for name in NOT_FOR_CHAINS:
         if getattr(options, name):
             raise ValueError(f"--{name} is not for a chain of bodies")
-    check_outputs(options)
-    chain = Chain.from_toml(options.scene)
     if options.accuracy is not None:
         table = chain.to_table()
-        chain = Chain.from_table({**table, "solver": {**table["solver"], "accuracy": options.accuracy}})
+        chain = chain.from_table({**table, "solver": {**table["solver"], "accuracy": options.accuracy}})
     motion = simulate_chain_quietly(chain)
     return give(options, motion, lambda: _text(motion, options.verbose))
 

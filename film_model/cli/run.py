@@ -61,17 +61,16 @@ def add_commands(named: Any) -> None:
 
 
 def run(options: argparse.Namespace) -> int:
-    from film_model.scene import Scene
-    from film_model.scene.toml import read_text, toml_table
+    from film_model.scene.chain import Chain, read
     from film_model.solve.simulate import simulate_quietly
 
-    if "bodies" in toml_table(*read_text(options.scene)):
-        from film_model.cli.chain import run_chain
-
-        return run_chain(options)
     check_outputs(options)
     check_picture(options.strobe, options.force)
-    scene = Scene.from_toml(options.scene)
+    scene = read(options.scene)
+    if isinstance(scene, Chain):
+        from film_model.cli.chain import run_chain
+
+        return run_chain(scene, options)
     history = simulate_quietly(
         scene,
         accuracy=options.accuracy,

@@ -26,7 +26,7 @@ from film_model.base.units import Value
 from film_model.scene.contact import Contact, contact_table
 from film_model.scene.impactor import Sphere
 from film_model.scene.options import Effects
-from film_model.scene.scene import Scene
+from film_model.scene.scene import Scene, scene_of
 from film_model.scene.toml import placed, read_text, text_from_table, toml_table
 from film_model.targets import Body, HalfSpace
 
@@ -209,10 +209,7 @@ class Chain(InUnits):
     @classmethod
     def from_text(cls, text: str, name: str = "chain") -> Chain:
         """Read the text of such a file. name: of the file, in messages."""
-        try:
-            return cls.from_table(toml_table(text, name))
-        except SceneError as error:
-            raise error if error.mistakes[0].file else placed(error.mistakes, text, name) from None
+        return _chain_of(toml_table(text, name), text, name)
 
     @classmethod
     def from_table(cls, table: Mapping[str, Any]) -> Chain:
@@ -263,6 +260,23 @@ class Chain(InUnits):
     def to_toml(self) -> str:
         """The text of a file from which :meth:`from_text` makes the same chain, to the last bit."""
         return text_from_table(self.to_table())
+
+
+def read(path: str | os.PathLike[str]) -> Scene | Chain:
+    """The chain in a file with sections [[bodies]], else the scene; all mistakes are raised in one SceneError."""
+    text, name = read_text(path)
+    table = toml_table(text, name)
+    if "bodies" in table:
+        return _chain_of(table, text, name)
+    return scene_of(table, text, name, os.path.dirname(os.fspath(path)))
+
+
+def _chain_of(table: Mapping[str, Any], text: str, name: str) -> Chain:
+    """The chain in the table of a text. name: of its file, in messages."""
+    try:
+        return Chain.from_table(table)
+    except SceneError as error:
+        raise placed(error.mistakes, text, name) from None
 
 
 def _renamed(mistake: Mistake, one: str, other: str) -> Mistake:

@@ -27,7 +27,7 @@ from film_model.scene.impactor import Sphere
 from film_model.scene.noses import Nose, Oval, mistakes_of_shape, nose_of, oval_of, relative_radius
 from film_model.scene.options import DEFAULT_TOLERANCE, Effects, Solver
 from film_model.scene.sections import parts_of
-from film_model.scene.toml import change_table, placed, read_text, scene_table, text_from_table
+from film_model.scene.toml import change_table, placed, read_text, refuse_others, text_from_table, toml_table
 from film_model.targets import TARGETS, AbstractTarget
 
 NO_FILES = "a scene that is stored with results has its tables inside, and no other file is read"
@@ -78,29 +78,13 @@ class Scene:
     @classmethod
     def from_text(cls, text: str, name: str = "scene", folder: str = "") -> Scene:
         """Read the text of a scene file. name: of the file, in messages. folder: for the relative paths in the text."""
-        return cls._from_text(text, name, folder)
+        return scene_of(toml_table(text, name), text, name, folder)
 
     @classmethod
     def from_stored_text(cls, text: str, name: str) -> Scene:
         """Read the text of a scene that was stored with results, in a dataset or an FMU: its tables are in the text, so
         that a path in it is refused and nothing else is read."""
-        return cls._from_text(text, name, None)
-
-    @classmethod
-    def _from_text(cls, text: str, name: str, folder: str | None) -> Scene:
-        """folder: of relative paths; None to refuse paths."""
-        table = scene_table(text, name)
-        for key in WITH_FILES:
-            section = table.get(key)
-            if isinstance(section, dict) and "file" in section:
-                if folder is None:
-                    raise placed([Mistake(None, None, f"{key}.file", NO_FILES)], text, name)
-                if isinstance(section["file"], str):
-                    section["file"] = os.path.join(folder, section["file"])
-        try:
-            return cls.from_table(table)
-        except SceneError as error:
-            raise placed(error.mistakes, text, name) from None
+        return scene_of(toml_table(text, name), text, name, None)
 
     @classmethod
     def from_table(cls, table: Mapping[str, Any]) -> Scene:
@@ -381,6 +365,22 @@ class Scene:
                     "or rate_multiplier"
                 )
         return [Mistake(None, None, f"Scene.{key}", message) for key, message in found.items()]
+
+
+def scene_of(table: dict[str, Any], text: str, name: str, folder: str | None) -> Scene:
+    """The scene in the table of a text. name: of its file, in messages. folder: of relative paths; None: no paths."""
+    refuse_others(table, text, name)
+    for key in WITH_FILES:
+        section = table.get(key)
+        if isinstance(section, dict) and "file" in section:
+            if folder is None:
+                raise placed([Mistake(None, None, f"{key}.file", NO_FILES)], text, name)
+            if isinstance(section["file"], str):
+                section["file"] = os.path.join(folder, section["file"])
+    try:
+        return Scene.from_table(table)
+    except SceneError as error:
+        raise placed(error.mistakes, text, name) from None
 
 
 def _class_names(kind: type) -> str:

@@ -13,13 +13,14 @@ from typing import Any, cast
 from film_model.base.errors import Mistake, SceneError, shown
 from film_model.base.fields import key_text
 from film_model.base.files import read_bytes
+from film_model.base.hdf5 import AN_FMU
 
 LARGEST_FILE = 1_000_000  # bytes; a typical scene file has 1000
 NO_SCENES = {
     ".csv": "is a table",
     ".nc": 'is a dataset: "film-model plot" and "film-model check" read it',
     ".zarr": 'is a dataset: "film-model plot" and "film-model check" read it',
-    ".fmu": 'is an FMU: "film-model check-fmu" reads it',
+    ".fmu": AN_FMU,
 }
 """Files that are given in place of a scene."""
 
@@ -202,10 +203,8 @@ def placed(mistakes: Iterable[Mistake], text: str, name: str) -> SceneError:
     return SceneError(sorted(found, key=lambda m: m.line or 0))
 
 
-def scene_table(text: str, name: str) -> dict[str, Any]:
-    """As :func:`toml_table`, of a scene. Raises SceneError for another file in its place."""
-    table = toml_table(text, name)
+def refuse_others(table: Mapping[str, Any], text: str, name: str) -> None:
+    """Raise SceneError for the table of another file in place of a scene."""
     other = next((key for key in OTHER_FILES if key in table), None)
     if other is not None and "impactor" not in table:
         raise placed([Mistake(None, None, other, OTHER_FILES[other])], text, name)
-    return table

@@ -81,29 +81,26 @@ def effects_page() -> str:
     )
     rules = {name: rule for name, rule in RULES.items() if name not in COMPUTED}
     judged = "\n".join(
-        f"### {name.replace('_', ' ')}\n\n{inspect.cleandoc(judge.__doc__ or '')}\n\n{_by_target(name)}"
-        f"Indicator: {rule.indicator}. Source: {rule.source}.\n"
-        for name, (rule, judge) in rules.items()
+        f"### {name.replace('_', ' ')}\n\n{inspect.cleandoc(judge.__doc__ or '')}\n\n{_by_target(name)}".rstrip() + "\n"
+        for name, (_, judge) in rules.items()
     )
+    sources = "\n".join(f"| `{name}` | {rule.indicator} | {rule.source} |" for name, (rule, _) in rules.items())
     damping, reflections = (
         inspect.cleandoc(RULES[name][1].__doc__ or "") for name in ("material_damping", "boundary_reflections")
     )
     return f"""# Effects
 
-`film-model explain` lists what matters in your scene. Each effect of a scene has an indicator with its value and
-the threshold from which it matters, the error if it is neglected, and a state: simulated, not needed, switched off
-(by the scene, without harm), needed but not modelled (a warning in every output, also if the scene's switch or law
-leaves it out), or not judged (the scene lacks data for it).
-`film-model explain` has a line for each, in groups, and a sentence on what the results leave out; with `--verbose` it
-adds indicators, thresholds and sources.
+`film-model explain` has a line for each effect of your scene; `--verbose` adds indicator, threshold and source. An
+effect is simulated, not needed, switched off by the scene, needed but not modelled (a warning in every output), or not
+judged because the scene lacks data.
 "Error if neglected" is the largest relative difference of a summary value: force, indentation and times relative to
-their own values, the dent to the maximum indentation, velocities to the approach velocity, energies to the impact
-energy. An effect matters if this error exceeds `tolerance` in `[effects]` (1 %, or the accuracy if that is larger).
+themselves, the dent to the maximum indentation, velocities to the approach velocity, energies to the impact energy. An
+effect matters if it exceeds `tolerance` in `[effects]` (1 %, or the accuracy if that is larger).
 
 ## Computed
 
-The impact is simulated on a coarse mesh with the effect and without it. `true`, `false` or `"auto"` in `[effects]`
-selects each of them except `fully_plastic`, which is part of the contact law.
+The impact is simulated on a coarse mesh with the effect and without it. `[effects]` selects each with `true`, `false`
+or `"auto"`, except `fully_plastic`, which is part of the law.
 
 | effect | | indicator | decided by |
 |---|---|---|---|
@@ -121,13 +118,16 @@ selects each of them except `fully_plastic`, which is part of the contact law.
 
 {_by_target("boundary_reflections")}## Judged
 
-These are not simulated. Their size is estimated to first order: expect the order of magnitude, not two digits.
+Not simulated, and estimated to first order: the order of magnitude.
+
+| effect | indicator | source |
+|---|---|---|
+{sources}
 
 {judged}
 ## Compared
 
-What the package judges beside numbers that were found without it (`examples/effects_compared.py`). The force of
-a crack is the least for any flaw: surfaces without a flaw of the worst size bear more.
+`examples/effects_compared.py` finds these numbers without the package's estimates.
 
 {compared()}
 ## An example
@@ -141,17 +141,20 @@ a crack is the least for any flaw: surfaces without a flaw of the worst size bea
 
 
 def _by_target(effect: str) -> str:
-    """How each kind of target judges an effect, a paragraph each."""
+    """How each kind of target judges an effect, a paragraph each; kinds that do it alike in one."""
     method = TARGET_RULES.get(effect, "")
-    own = [(kind, target) for kind, target in TARGETS.items() if method in vars(target)]
-    return "".join(f"**{kind}** — {inspect.cleandoc(vars(target)[method].__doc__ or '')}\n\n" for kind, target in own)
+    kinds: dict[str, list[str]] = {}
+    for kind, target in TARGETS.items():
+        if method in vars(target):
+            kinds.setdefault(inspect.cleandoc(vars(target)[method].__doc__ or ""), []).append(kind)
+    return "".join(f"**{', '.join(names)}** — {text}\n\n" for text, names in kinds.items())
 
 
 def _section(name: str, law: type[AbstractLaw], heading: str = "##") -> str:
-    own = "\n".join(f"- `{key}`: {_parameter(value)}" for key, value in law.parameters.items())
+    own = "\n".join(f"| `{key}` | {_parameter(value)} |" for key, value in law.parameters.items())
     from_scene = ", ".join(f"`{key}`" for key in law_fields(law) if key in SCENE_FIELDS)
     lines = [f"{heading} {name}", inspect.cleandoc(law.__doc__ or ""), f"Valid: {law.validity}."]
-    lines += [f"Parameters:\n\n{own}"] if own else []
+    lines += [f"| parameter | |\n|---|---|\n{own}"] if own else []
     lines += [f"From the scene: {from_scene}."] if from_scene and name in LAWS else []
     return "\n\n".join(lines) + "\n"
 

@@ -20,11 +20,10 @@ ROUNDS = 60
 
 
 def air_drag(case: Case, rule: Rule) -> Effect:
-    """Drag of the air on a ball that falls from drop_height; the scene's velocity is √(2 g h), without it.
+    """Drag of the air on a ball that falls from drop_height; the scene's velocity √(2 g h) has none.
 
-    With the drag coefficient C_d of the terminal velocity v_t, v² = v_t² (1 − exp(−2 g h/v_t²)), where v_t² is
-    2 m g/(ρ C_d π R²) and C_d = (24/Re) (1 + 0.15 Re^0.687), at least 0.44 (Schiller & Naumann 1933): a smooth sphere
-    of the impactor's radius in air at 20 °C. The change is that of the impact energy.
+    v² = v_t² (1 − exp(−2 g h/v_t²)), v_t² = 2 m g/(ρ C_d π R²), C_d = (24/Re) (1 + 0.15 Re^0.687), at least 0.44
+    (Schiller & Naumann 1933): a smooth sphere in air at 20 °C. The change is that of the impact energy.
     """
     ball, height = case.scene.impactor, case.scene.impactor.drop_height
     if height is None:

@@ -19,17 +19,17 @@ DEEPEST = 1.0
 
 
 def reflections(case: Case, rule: Rule) -> Effect:
-    """Waves reflected from the edges of a plate or the end of a rod before contact ends."""
+    """Waves that return from edges or ends before contact ends."""
     return _by_target(case, case.scene.target.reflections, rule)
 
 
 def thickness(case: Case, rule: Rule) -> Effect:
-    """The thickness: large enough for a half-space, small enough for a plate or beam without shear."""
+    """A half-space that is too thin; shear of a plate or beam."""
     return _by_target(case, case.scene.target.thickness_effect, rule)
 
 
 def contact_width(case: Case, rule: Rule) -> Effect:
-    """A half-space law on a plate or beam, which is valid for contacts narrow compared with the thickness."""
+    """Half-space laws need a contact that is narrow compared with the thickness."""
     return _by_target(case, case.scene.target.contact_width, rule)
 
 
@@ -39,22 +39,22 @@ def wave_losses(case: Case, rule: Rule) -> Effect:
 
 
 def stretching(case: Case, rule: Rule) -> Effect:
-    """Membrane forces of a plate or beam that is bent by more than a fraction of its thickness."""
+    """Membrane forces where the deflection is not small compared with the thickness."""
     return _by_target(case, case.scene.target.stretching, rule)
 
 
 def bending_strength(case: Case, rule: Rule) -> Effect:
-    """A plate that yields or breaks because it is bent; only its contact may yield in the simulation."""
+    """Yield or fracture by bending; only the contact yields in the simulation."""
     return _by_target(case, case.scene.target.bending_strength, rule)
 
 
 def cross_bending(case: Case, rule: Rule) -> Effect:
-    """Bending across the width of a beam; twist that is coupled with the bending of a plate of layers."""
+    """Bending across the width of a beam; twist coupled with bending of a layup."""
     return _by_target(case, case.scene.target.cross_bending, rule)
 
 
 def omitted_modes(case: Case, rule: Rule) -> Effect:
-    """Vibrations of a structure above the highest that is given."""
+    """Vibrations of a structure above the highest that is given, Ω."""
     return _by_target(case, case.scene.target.omitted_modes, rule)
 
 
@@ -75,13 +75,11 @@ def _by_target(case: Case, judge: Callable[[Impact], Estimate], rule: Rule) -> E
 def small_slope(case: Case, rule: Rule) -> Effect:
     """Hertz's half-spaces and paraboloids instead of balls.
 
-    The force at the same indentation is larger: by 5, 10, 24 and 69 % for an elastic ball of ν = 0.3 on a rigid plane
-    at √(δ/R) = 0.05, 0.1, 0.2 and 0.4; by 6 % at most for a rigid ball on an elastic half-space, where Sneddon's rigid
-    sphere, δ = (a/2) ln((R + a)/(R − a)), F = E [(a² + R²)/2 ln((R + a)/(R − a)) − a R], lets it fall by a²/(10 R²).
-    Finite elements of ν = 0.3, summed by the shares of the bodies (film_model/effects/elastic_ball.py). The change is
-    that of the indentation at the energy of the impact: 1.6, 3.3, 7 and 16 % for that ball; force and contact time
-    change less. Without the material of any body the share of the ball is unknown: not judged, unless even the whole
-    would not matter. From an indentation of one radius no law is valid.
+    An elastic ball of ν = 0.3 on a rigid plane presses 5, 10, 24 and 69 % harder at √(δ/R) = 0.05, 0.1, 0.2 and 0.4
+    (finite elements); a rigid ball on an elastic half-space by 6 % at most, and Sneddon's rigid sphere, δ = (a/2) ln((R
+    + a)/(R − a)), F = E [(a² + R²)/2 ln((R + a)/(R − a)) − a R], less by a²/(10 R²). Bodies are weighted by their
+    shares of the compliance. The change is that of the indentation at the energy of the impact, 1.6, 3.3, 7 and 16 %
+    for that ball; force and contact time change less. From an indentation of one radius no law is valid.
     """
     scene = case.scene
     modulus, radius = scene.effective_modulus, scene.effective_radius
@@ -123,12 +121,11 @@ def _bodies(scene: Scene, modulus: float) -> tuple[list[Body], bool]:
 
 
 def obliqueness(case: Case, rule: Rule) -> Effect:
-    """An impact at an angle or with spin: simulated with friction in [contact], otherwise only its normal component.
+    """An impact at an angle or with spin: simulated with friction in [contact], otherwise its normal component.
 
     Without friction the change is the range of the ball's tangential velocity for friction coefficients from 0 to 1,
-    over its speed before: friction's impulse is at most µ times the normal one, m (1 + e) V cos α, and at most that
-    which throws the contact point back, m_t v (1 + β), with the largest share β that an elastic contact gives back. The
-    normal impact is unchanged by friction if both bodies are elastically similar.
+    over its speed before: friction's impulse is at most µ m (1 + e) V cos α, and at most m_t v (1 + β), which throws
+    the contact point back with the largest share β that an elastic contact gives back.
     """
     return oblique(case.scene, rule, case.restitution, case.tolerance)
 

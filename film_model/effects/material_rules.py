@@ -42,12 +42,12 @@ SOFT = 5e9
 
 
 def adhesion(case: Case, rule: Rule) -> Effect:
-    """Work to separate the surfaces: e² falls by (V_s/V)², V_s = √(2 · 7.0922 (Γ⁵R⁴/E²)^{1/3}/m) (Thornton & Ning).
+    """Work to separate the surfaces: e² falls by (V_s/V)², V_s = √(2 · 7.0922 (Γ⁵R⁴/E²)^{1/3}/m).
 
-    Γ is work_of_adhesion in [contact], or 2 √(γ₁ γ₂) from the surface energies of the materials: an upper bound, which
-    clean and smooth surfaces reach. The laws jkr and dmt compute it without plastic deformation, thornton-ning with it:
-    a dent has a larger radius R_p, and takes (R_p/R)^{4/3} times the work to separate. Under other laws that yield, R_p
-    is that of Hertz's contact with the largest force over the indentation that unloading gives back.
+    Γ is work_of_adhesion in [contact], or 2 √(γ₁ γ₂) from the surface energies of the materials: an upper bound for
+    clean and smooth surfaces. jkr and dmt compute it without plastic deformation, thornton-ning with it: a dent of the
+    radius R_p takes (R_p/R)^{4/3} times the work; under other laws R_p is that of Hertz's contact with the largest
+    force over the indentation given back.
     """
     scene = case.scene
     modulus, work = scene.effective_modulus, scene.work_of_adhesion
@@ -82,15 +82,13 @@ def _radius_of_parting(case: Case, modulus: float) -> float:
 def material_damping(case: Case, rule: Rule) -> Effect:
     """Material damping: loss factors tan δ take the fraction 1 − e² of the elastic energy.
 
-    e is that of a contact whose modulus relaxes as t^−β, tan δ = tan(πβ/2), integrated by Lee & Radok 1960 and Ting
-    1966: 1 − 1.2048 tan δ if tan δ is small, right to 1 % of e up to 0.12. The loss factors of two bodies are averaged,
-    weighted with their compliances. A missing one is taken as 0, and the effect says so. The loss of a body with a
-    prony series is that of the effect viscoelasticity, and 0 here. If the loss factor of a body softer than 5 GPa
-    (plastic, rubber, foam) is unknown, the effect matters. A damped law has the losses itself.
+    e is that of a contact whose modulus relaxes as t^−β, tan δ = tan(πβ/2), after Lee & Radok 1960 and Ting 1966: 1 −
+    1.2048 tan δ, to 1 % of e up to tan δ = 0.12. Loss factors are averaged with the compliances as weights; a missing
+    one is taken as 0, and the effect says so, or matters if the body is softer than 5 GPa (plastic, rubber, foam).
 
     Law "auto" simulates them by the law tsuji with this restitution, at all velocities, if they change the summary by
     more than the tolerance; of an impact that yields, if they leave less than the law elastoplastic does. No law here
-    both yields and damps, and none that damps follows a static stiffness: a warning says what is then left out.
+    both yields and damps, and none that damps follows a static stiffness: a warning says what is left out.
     """
     if case.problem.law.damped:
         return rule.absent(f"it is in the law {case.problem.law.name}")
@@ -126,10 +124,7 @@ def material_damping(case: Case, rule: Rule) -> Effect:
 
 
 def heating(case: Case, rule: Rule) -> Effect:
-    """Plastic work over the hemisphere (2/3) π a³ under the contact. The softening that it causes is not estimated.
-
-    a is the contact's own radius, which is larger than Hertz's where it yields. Above 300 K it is a warning.
-    """
+    """Plastic work over the hemisphere (2/3) π a³ under the contact; a warning above 300 K. Softening is left out."""
     if case.fraction <= YIELDS:
         return rule.absent("nothing yields")
     value = case.fraction * case.energy / (2.0 / 3.0 * math.pi * _own_radius(case) ** 3)
@@ -147,19 +142,17 @@ def _own_radius(case: Case) -> float:
 
 
 def fracture(case: Case, rule: Rule) -> Effect:
-    """Crushing, or a cone crack at the edge of the contact, by the material's crushing_strength, fracture_toughness or
+    """Crushing, or a cone crack at the edge of the contact, by crushing_strength, fracture_toughness or
     tensile_strength.
 
-    With a toughness: a ring crack of depth c around the contact has K² = F² ψ/(π² a³), where ψ(c/a, r/a) follows from
-    Huber's radial stress over the depth. Its maximum over c and r gives the least force that can crack the surface,
-    whatever flaws it has: F = (3 π²/4 ψ) K_Ic² R/E. Surfaces without flaws of that size bear more. Without a toughness:
-    the tensile stress at the edge, (1 − 2ν) p0/3 (Hertz), p0 = 1.5 times the mean pressure, against the strength; small
-    contacts bear several times as much. What a crack absorbs is unknown.
+    With a toughness: a ring crack of depth c has K² = F² ψ/(π² a³), with ψ(c/a, r/a) from Huber's radial stress. The
+    maximum over c and r gives the least force that can crack the surface: F = (3 π²/4 ψ) K_Ic² R/E. Surfaces without
+    flaws of that size bear more. With a tensile strength: the stress at the edge, (1 − 2ν) p0/3 (Hertz), p0 = 1.5 times
+    the mean pressure; small contacts bear several times as much. What a crack absorbs is unknown.
 
-    A body with a crushing_strength is judged by that alone: it begins to crush where the mean pressure exceeds it, and
-    is taken to bear p_c = 3 times this strength when crushed (ice 2 to 3.3 times: Gagnon & Gammon 1997, J. Glaciol.
-    43). The force is then at most W + √(W² + 4π R p_c E), with the weight W and the impact energy E. Small contacts on
-    concrete may bear more.
+    A body with a crushing_strength begins to crush where the mean pressure exceeds it, and is taken to bear p_c = 3
+    times this strength when crushed (ice 2 to 3.3 times: Gagnon & Gammon 1997, J. Glaciol. 43): the force is at most W
+    + √(W² + 4π R p_c E), with the weight W and the impact energy E. Small contacts on concrete may bear more.
     """
     scene = case.scene
     bodies = {"impactor": scene.impactor.material, "target": scene.target.material}

@@ -1,12 +1,11 @@
-"""Rate hardening: the yield strength at the strain rate of the impact itself.
+"""Rate hardening: the yield strength at the strain rate of the impact.
 
 S = S_y (1 + C ln ε̇), ε̇ in 1/s and at least 1 (Johnson & Cook 1983), with C = strain_rate_coefficient, or
 S = S_y (1 + (ε̇/D)^(1/q)) (Cowper & Symonds 1957), with rate_multiplier D and rate_exponent q, of the body that yields
-first. ε̇ = 0.2 (a/R)/t_m is Tabor's mean strain 0.2 a/R (1951) over the time to the maximum indentation,
-a² = R δ_m. δ_m and t_m are those of the impact with S, without weight: S is iterated to 1e-9. From a rate of 1/s on it
-replaces S_y in a law that has a yield_strength; for other laws the effect is judged by Big-Alabo's. For a metal without
-C, the change with C = 0.014, of 4340 steel, says how far the result is open; C of the twelve metals of Johnson & Cook
-is 0.006 to 0.06. For a material of the catalogue it counts as important from 100 1/s.
+first. ε̇ = 0.2 (a/R)/t_m is Tabor's mean strain (1951) over the time to the maximum indentation, a² = R δ_m, both with
+S (iterated to 1e-9), without weight. From 1/s on S replaces S_y in laws with a yield_strength; for others the effect is
+judged by Big-Alabo's. For a metal without C, the change with C = 0.014 (4340 steel; twelve metals: 0.006 to 0.06) says
+how far the result is open; for a material of the catalogue it counts as important from 100 1/s.
 """
 
 from __future__ import annotations

@@ -40,15 +40,13 @@ def squeezed(
 
 
 def squeeze_film(case: Case, rule: Rule) -> Effect:
-    """The fluid that the ball squeezes out of the contact when it comes and draws in when it leaves.
+    """The fluid that the ball squeezes out of the contact and draws in again.
 
-    The Stokes number is St = m V/(6 π μ R²), which is (2/9) ρ V R/μ of a ball on a wall, with `fluid_viscosity` μ in
-    [contact]. Lubrication resists with 6 π μ R² v/h, so that between the gaps R and h the velocity changes by
-    V ln(R/h)/St on each way, and the restitution e becomes e (1 − (1 + 1/e) ln(R/h)/St): the form e (1 − St_c/St) of
-    Davis, Serayssol & Hinch 1986, where the film acts on both ways. h is the `roughness` in [contact], or what elastic
-    flattening leaves, 0.37 ((μ V/E)² R³)^{1/5}, if that is more. The change is that of the restitution. For a smooth
-    ball in a liquid St_c is about 19; measurements (Legendre et al. 2005, Joseph et al. 2001) agree within a factor of
-    two. Left out: cavitation, a film thinner than R, inertia of the fluid, drag on the way.
+    With St = m V/(6 π μ R²), μ the `fluid_viscosity` in [contact], lubrication (6 π μ R² v/h between the gaps R and h)
+    makes the restitution e (1 − (1 + 1/e) ln(R/h)/St), of the form e (1 − St_c/St) of Davis, Serayssol & Hinch 1986. h
+    is the `roughness` in [contact], or what elastic flattening leaves, 0.37 ((μ V/E)² R³)^{1/5}, if that is more. For a
+    smooth ball in a liquid St_c is about 19; measurements agree within a factor of two. Left out: cavitation, a film
+    thinner than R, inertia of the fluid, drag on the way.
     """
     scene = case.scene
     viscosity, height, modulus = scene.contact.fluid_viscosity, scene.contact.roughness, scene.effective_modulus

@@ -2,11 +2,10 @@
 
 On the way in F = (4/3) √R ∫ E(t − s) d(δ^{3/2}) (Lee & Radok 1960), E(t) the contact modulus of both bodies together.
 On the way out the integral ends at t₁(t), when the contact was as wide as it is now: ∫ E(t − s) dδ from t₁ to t is 0,
-and contact ends when t₁ is 0 (Ting 1966). This is exact for quasi-static contact of a sphere, materials with constant
-Poisson's ratios, and one approach and one parting. A contact that closes again before it ends is refused, and so is one
-that begins while the surface has still to recover more than 1 % of the depth that it will have; less changes the next
-contact by at most 0.4 %. What remains of the indentation when contact ends recovers: it is not a dent. Only law hertz
-relaxes, on targets that do not vibrate.
+and contact ends when t₁ is 0 (Ting 1966): exact for quasi-static contact of a sphere, constant Poisson's ratios, one
+approach and one parting. Refused: a contact that closes again before it ends, or begins while more than 1 % of its
+depth has still to recover (less changes it by at most 0.4 %). What remains of the indentation recovers: it is not a
+dent. Only law hertz relaxes, on targets that do not vibrate.
 """
 
 from __future__ import annotations

@@ -22,12 +22,11 @@ class BigAlabo(AbstractLaw):
     f = d^{3/2} (d ≤ 1); 1 + (d − 1)^{3/2} (d ≤ 13.93); f_tep + 5.40 (d − 13.93) (d ≤ 82.5); f_p + (4.6/1.1)(d − 82.5),
     and Hertz's unloading with the deformed radius R_d of (20).
 
-    constants: "continuous" (default) chains the stages: f_tep = 1 + 12.93^{3/2}, f_p = f_tep + 5.40 · 68.57.
-    "printed" uses the paper's F(δ_p) = 70.0 K_l δ_y + 47.6 K δ_y^{3/2}, which jumps up by 1.9 % at δ_p, and
-    δ_tep − δ_y = 11.93 δ_y in (20), which reproduce the permanent indentation of its Table 3 (1.78 µm).
+    constants: "continuous" (default): f_tep = 1 + 12.93^{3/2}, f_p = f_tep + 5.40 · 68.57. "printed": the paper's
+    F(δ_p) = 70.0 K_l δ_y + 47.6 K δ_y^{3/2}, which jumps up by 1.9 % at δ_p, and δ_tep − δ_y = 11.93 δ_y in (20), as in
+    its Table 3.
 
-    The force has a plateau just above yield, so the coefficient of restitution is not monotone in velocity: it has a
-    minimum near 1.7 V_Y and recovers until 8.5 V_Y.
+    Restitution has a minimum near 1.7 V_Y and recovers until 8.5 V_Y.
     """
 
     name: ClassVar[str] = "big-alabo"

@@ -15,11 +15,8 @@ from film_model.laws.law import Power, Stage
 class Dmt(AdhesiveLaw):
     """Derjaguin, Muller & Toporov 1975, J. Colloid Interface Sci. 53:314: F = K δ^{3/2} − 2π w R, K = (4/3) E √R.
 
-    Contact begins and ends at δ = 0 under the tension 2π w R. Reversible: nothing is lost, the ball leaves with the
-    velocity of the impact.
-
-    work_of_adhesion: w, J/m², of both surfaces together. For hard and small bodies: (R w²/(E² z³))^{1/3} below about
-    0.1, with the range z ≈ 0.3 nm of the attraction; above 5 take jkr. Without plastic deformation.
+    Contact begins and ends at δ = 0 under the tension 2π w R. Reversible. work_of_adhesion w, J/m², of both surfaces
+    together.
     """
 
     name: ClassVar[str] = "dmt"

@@ -188,38 +188,30 @@ class Elastoplastic(AbstractLaw):
     M = 2.379/(1 + (0.5506 a/R)^{3/2}). Unloading: f_m/(w_m − w_f) = α k, k = 1 + 0.2631 e^{−0.603 n} g, with the
     exponent 1.5 − 0.1641 g, g = 1 − (1 + z²)^{−0.2434}: restitution leaves 1 as (w − 1)².
 
-    C is the geometric mean of those for ν and 0.3, because ν matters at first yield only: for ν = 0.2 or 0.45 the
-    force leaves Hertz's at a pressure 4 % above or 5 % below that of first yield, 1.295 e^{0.736 ν} S_y.
+    C is the geometric mean of those for ν and 0.3, because ν matters at first yield only: for ν = 0.2 or 0.45 the law
+    leaves Hertz's at 4 % above or 5 % below the pressure of first yield, 1.295 e^{0.736 ν} S_y.
 
-    elastic_share: h, the part of the compliance of a second body, as far as that stays elastic; 0 if it is rigid. Its
-    surface is flattened as an elastic one, so that the softer body is pressed by a rigid ball of the radius
-    R/(1 − h c₁ P/α), at a w_s of its own, where its α_s, ω, P, g and k are taken, with a/R of that ball. Then
+    elastic_share h: part of the compliance of a second body that stays elastic; 0: rigid. As if pressed by a rigid ball
+    of the radius R/(1 − h c₁ P/α) at a w_s of its own, where α_s, ω, P, g and k are taken,
 
     α = (1 − h) α_s + h c₁ P,  w = w_s (1 − h) α/α_s + h c₂ α P,  f = α² P,  f_m/(w_m − w_f) = α k/(1 − h + h c₂ k),
 
-    of which α² + h P (c₂ ω − c₁) α = ω w. c₁ and c₂ go from 1, for Hertz's pressure, to 0.617 and 0.849, for a uniform
-    one, as 1 − 0.383 g and 1 − 0.151 g: curvature and depth at the centre of an elastic surface (Johnson 1985). w_s is
-    one step of Newton's method from w. In a scene h = φ/(1 + m), at most 0.8, m = E/(1 − ν²) of the body that yields
-    later over that of the other, φ = 1 − ((2.692 − s)/1.692)⁴ for a ratio s from 1 to 2.692 of their flow stresses at
-    a plastic strain of 0.005: two equal bodies yield alike, φ = 0, and from 2.692 on the harder one stays elastic.
+    of which α² + h P (c₂ ω − c₁) α = ω w; c₁ = 1 − 0.383 g and c₂ = 1 − 0.151 g go from Hertz's to a uniform pressure
+    (Johnson 1985). w_s is one step of Newton's method from w. In a scene h = φ/(1 + m) ≤ 0.8, m = E/(1 − ν²) of the
+    body that yields later over that of the other, φ = 1 − ((2.692 − s)/1.692)⁴, s the ratio of flow stresses at a
+    plastic strain of 0.005: equal bodies yield alike (φ = 0); from s = 2.692 on the harder one stays elastic.
 
-    Fitted to 142 impacts of a rigid ball, without friction, on a half-space: von Mises' yield, flow stress
-    S_y (1 + E ε_p/S_y)^n, 1.5 to 5500 times the velocity of first yield, S_y/E from 0.0002 to 0.019, ν from 0.2 to
-    0.45, n up to 0.4, a/R up to 0.4. Up to 1000 times that velocity, of these and of 66 others, restitution differs by
-    0.5 % in the median and by 2 % at most, the force by 2 %, the indentation by 1.1 %, the contact radius by 2.2 %, and
-    the permanent indentation by 2.5 % of the largest; beyond, restitution by 1.6 % in the median, by 6 % at most.
+    Fitted to 142 finite-element impacts of a rigid ball, without friction: von Mises, flow stress S_y (1 + E
+    ε_p/S_y)^n. Largest differences up to 1000 times the velocity of first yield, of these and 66 others: restitution
+    2 % (median 0.5 %), force 2 %, indentation 1.1 %, contact radius 2.2 %, dent 2.5 %; beyond, restitution 6 % (median
+    1.6 %). Against 77 impacts of two bodies (51 of them fitted): restitution 2.4 % (median 0.5 %), force 4 % (median
+    1.2 %).
 
-    A later impact on the same dent follows the unloading curve up to the deepest turn, without loss, and then the
-    loading curve. Finite elements of second and third impacts up to 200 times that velocity say so: at the velocity of
-    the rebound restitution is 1 within 0.33 %, at that of the first impact the law's within 1.2 %.
+    A later impact on the same dent follows the unloading curve up to the deepest turn, without loss (finite elements:
+    restitution 1 within 0.33 %), then the loading curve.
 
-    strain_hardening_exponent: n, of the material; 0, without hardening, if it gives none. Of two bodies that yield, the
-    law takes the strength, ν and n of the softer. Of 77 finite-element impacts of two bodies (dataset
-    finite_element_pairs), 51 of which 2.692 is fitted to, restitution differs by 0.5 % in the median and by 2.4 % at
-    most, the force by 1.2 and 4 %. Two equal bodies are each pressed against a plane, by symmetry: for small a/R with
-    the same f(w), but half of a/R in M: the restitution of two steel balls (477 MPa) is 0.5 % below that of one on a
-    rigid plane at 1 m/s, and 4 % at 20 m/s.
-    Ends where a = R.
+    strain_hardening_exponent n: of the material, default 0. Of two bodies that yield, strength, ν and n are those of
+    the softer. Two equal bodies have half of a/R in M.
     """
 
     name: ClassVar[str] = "elastoplastic"

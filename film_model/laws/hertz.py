@@ -15,10 +15,7 @@ def hertz_stiffness(effective_modulus: float, radius: float) -> float:
 
 @dataclass(frozen=True)
 class Hertz(AbstractLaw):
-    """F = K δ^{3/2}, K = (4/3) E √R (Hertz 1882). Reversible; valid while a/R = √(δ/R) is below about 0.1 to 0.2.
-
-    effective_modulus: Pa. radius: effective radius, m.
-    """
+    """F = K δ^{3/2}, K = (4/3) E √R (Hertz 1882), E effective_modulus, Pa, R effective radius, m. Reversible."""
 
     name: ClassVar[str] = "hertz"
     family: ClassVar[Family] = "elastic"

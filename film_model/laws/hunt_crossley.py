@@ -27,10 +27,8 @@ class HuntCrossley(AbstractLaw):
     """Hunt & Crossley 1975, J. Appl. Mech. 42:440: F = K δ^{3/2} (1 + χ δ̇), K = (4/3) E √R. Force and indentation end
     together, without tension.
 
-    hysteresis_damping: χ, s/m (the factor of δ^{3/2} δ̇ in other notations is K χ). Or restitution: e at the scene's
-    approach velocity on a target that does not move, from which χ = λ/V_0 by the exact
-    λ (1 + e) = ln((1 + λ)/(1 − λ e)), which holds for any exponent of δ. The common approximations (λ = 3(1 − e)/2,
-    3(1 − e²)/4, …) are its limits for e near 1; for e = 0.5 they give 0.66 and 0.73.
+    hysteresis_damping χ, s/m (the factor of δ^{3/2} δ̇ in other notations is K χ); or restitution e at the scene's
+    velocity V_0 on a fixed target: χ = λ/V_0, λ (1 + e) = ln((1 + λ)/(1 − λ e)), exact for any exponent of δ.
     """
 
     name: ClassVar[str] = "hunt-crossley"

@@ -78,15 +78,11 @@ class JacksonGreen(AbstractLaw):
     f = w^{3/2} (w ≤ 1.9); e^{−w^{5/12}/4} w^{3/2} + (4 H_G/(C S_y)) [1 − e^{−w^{5/9}/25}] w beyond, where
     H_G/S_y = 2.84 [1 − exp(−0.82 (a/R)^{−0.7})] and a/R = (π C e_y/2) √(w (w/1.9)^B), e_y = S_y/E, B = 0.14 e^{23 e_y}.
     Unloading from w > 1 (Jackson, Green & Marghitu 2010, Nonlinear Dyn. 60:217): Hertz's curve to
-    w_f = 1.02 w_m [1 − ((w_m + 5.9)/6.9)^{−0.54}]; beyond w_m = 973, where this would recover too little and later
-    nothing, 1 − w_f/w_m falls as w_m^{−0.54}.
+    w_f = 1.02 w_m [1 − ((w_m + 5.9)/6.9)^{−0.54}]; beyond w_m = 973, where this would recover too little,
+    1 − w_f/w_m falls as w_m^{−0.54}.
 
-    poissons_ratio: ν of the body that yields. The stages depend on e_y and ν: the law is not self-similar.
-
-    constants: "printed" is the law above; its force jumps at 1.9 by +0.5 % for ν = 0.3, −2.5 % for 0.45. "continuous"
-    (default) is our own variant: the force is continuous, and its correction decays as exp((1.9 − w)/1.9).
-
-    Fitted to a/R below 0.41 and S_y/E from 0.001 to 0.009; ends where a = R.
+    poissons_ratio ν of the body that yields. constants: "printed", above: the force jumps at 1.9 by +0.5 % for ν = 0.3,
+    −2.5 % for 0.45. "continuous" (default, our own variant): a correction of that jump decays as exp((1.9 − w)/1.9).
     """
 
     name: ClassVar[str] = "jackson-green"

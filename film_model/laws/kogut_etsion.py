@@ -30,14 +30,11 @@ class KogutEtsion(AbstractLaw):
     (Etsion, Kligerman & Kadin 2005, Int. J. Solids Struct. 42:3716): w_f = w_m (1 − w_m^{-0.28})(1 − w_m^{-0.69}),
     q = 1.5 w_m^{-0.0331}.
 
-    hardness: H, Pa, about 2.8 S_y. poissons_ratio: of the body that yields.
+    hardness H, Pa, about 2.8 S_y; poissons_ratio ν of the body that yields.
 
-    constants: "printed" are the coefficients above, with which the force jumps by +3.0 % at 1, +1.7 % at 6 and
-    (ν = 0.3) +7.9 % at 110, and a contact just above yield returns more energy than it stored.
-    "continuous" (default) is our own variant: 1 and 6^{0.162} for 1.03 and 1.40, and the last stage begins with the
-    force at which the one before ends.
-
-    Fitted to 1 ≤ w ≤ 110, unloading to about 170; ends at w = 1e5, because the unloading exponent has no lower bound.
+    constants: "printed", above: the force jumps by +3.0 % at 1, +1.7 % at 6 and (ν = 0.3) +7.9 % at 110, and just above
+    yield more energy returns than was stored. "continuous" (default, our own variant): 1 and 6^{0.162} for 1.03 and
+    1.40, and the last stage begins with the force at which the one before ends.
     """
 
     name: ClassVar[str] = "kogut-etsion"

@@ -16,9 +16,9 @@ class KuwabaraKono(AbstractLaw):
 
     F = K δ^{3/2} + (3/2) A K √δ δ̇ = (1 + A d/dt) K δ^{3/2}, K = (4/3) E √R, until F falls to zero.
 
-    dissipation_time: A, s. On a fixed target e depends on b = (3/2) A (K/m)^{2/5} V^{1/5} alone: e = 1 − 1.15345 b + …,
-    and nearly (1 + 0.501086 s)/(1 + 0.501086 s + 1.15345 s² + 0.577978 s³ + 0.532178 s⁴), s = √b (Müller & Pöschel
-    2011, Phys. Rev. E 84:021302). Valid while A δ̇ is much smaller than δ: quasi-static viscoelasticity.
+    dissipation_time A, s, with A δ̇ ≪ δ. On a fixed target e depends on b = (3/2) A (K/m)^{2/5} V^{1/5} alone:
+    e = 1 − 1.15345 b + …, and nearly (1 + 0.501086 s)/(1 + 0.501086 s + 1.15345 s² + 0.577978 s³ + 0.532178 s⁴), s = √b
+    (Müller & Pöschel 2011, Phys. Rev. E 84:021302).
     """
 
     name: ClassVar[str] = "kuwabara-kono"

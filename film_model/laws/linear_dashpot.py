@@ -23,10 +23,9 @@ from film_model.laws.law import (
 class LinearDashpot(AbstractLaw):
     """F = k δ + c δ̇ until F falls to zero: no tension. ζ = c/(2√(m k)).
 
-    stiffness: k, N/m. damping: c, N s/m; or restitution: e on a target that does not move, from which
-    c = 2 ζ √(m k) with e = exp(−ζ/√(1 − ζ²) atan2(2ζ√(1 − ζ²), 2ζ² − 1)), and its continuation for ζ ≥ 1. (The known
-    e = exp(−πζ/√(1 − ζ²)) is that of a contact held by tension until δ = 0.) The force jumps to c V at first touch.
-    e does not depend on the velocity: a spring of simulations, not a material.
+    stiffness k, N/m; damping c, N s/m, or restitution e on a fixed target, from which c = 2 ζ √(m k) with
+    e = exp(−ζ/√(1 − ζ²) atan2(2ζ√(1 − ζ²), 2ζ² − 1)), continued for ζ ≥ 1; the usual e = exp(−πζ/√(1 − ζ²)) holds with
+    tension until δ = 0. The force jumps to c V at first touch.
     """
 
     name: ClassVar[str] = "linear-dashpot"

@@ -13,11 +13,10 @@ from film_model.laws.law import AbstractLaw, ExampleBall, Family, Parameter, Pow
 class Luding(AbstractLaw):
     """Luding 2008, Granul. Matter 10:235, without adhesion. Loading F = k_1 δ up to the limit
     δ* = (k_p/(k_p − k_1)) φ_f 2R; unloading and reloading F = k_2 (δ − δ_f), δ_f = (1 − k_1/k_2) δ_m with
-    k_2 = k_1 + (k_p − k_1) δ_m/δ*. Beyond δ* the dent remains φ_f 2R, and loading and unloading
-    follow F = k_p (δ − φ_f 2R).
+    k_2 = k_1 + (k_p − k_1) δ_m/δ*. Beyond δ* loading and unloading follow F = k_p (δ − φ_f 2R).
 
-    loading_stiffness: k_1, N/m. plastic_stiffness: k_p > k_1, N/m. plasticity_depth: φ_f, of twice the effective
-    radius R. On a half-space e = √(k_1/k_2(δ_m)) below the limit. A law of granular simulations, not of a material.
+    loading_stiffness k_1 and plastic_stiffness k_p > k_1, N/m; plasticity_depth φ_f; R: effective radius, m. On a
+    half-space e = √(k_1/k_2(δ_m)) below the limit.
     """
 
     name: ClassVar[str] = "luding"

@@ -11,10 +11,10 @@ from film_model.laws.law import AbstractLaw, ExampleBall, Family, Parameter, Pow
 
 @dataclass(frozen=True)
 class Meyer(AbstractLaw):
-    """F = F_0 + K_c (δ − δ_0)^q for δ ≥ δ_0, and no force before: (1) and (9) of Big-Alabo, Cartmell & Harrison 2017.
+    """F = F_0 + K_c (δ − δ_0)^q for δ ≥ δ_0, else 0: (1) and (9) of Big-Alabo, Cartmell & Harrison 2017. Reversible.
 
-    stiffness: K_c, N/m^q. exponent: q > 0 (1 linear or flat punch, 1.5 sphere, 2 cone). initial_force: F_0 ≥ 0, N.
-    initial_indentation: δ_0 ≥ 0, m, a clearance that closes without force. Reversible.
+    stiffness K_c, N/m^q; exponent q > 0: 1 for springs and flat punches, 1.5 spheres, 2 cones; initial_force F_0 ≥ 0,
+    N; initial_indentation δ_0 ≥ 0, m, closes without force.
     """
 
     name: ClassVar[str] = "meyer"

@@ -18,9 +18,7 @@ class RigidPlastic(AbstractLaw):
     F = 2 π R p_d δ; recovery with Hertz's curve of that radius, δ_m − δ_f = 3 F_m/(4 E a), hence
     e = 1.884 √(p_d/E) (W/(p_d R³))^{−1/8}, W = ½ m V²; e ∝ V^{−1/4}.
 
-    yield_pressure: p_d, Pa, about 3 S_y. Valid far beyond yield, V above some hundred V_Y. Below
-    δ_s = (9π²/8) (p_d/E)² R, where e = 0.894, the recovery would exceed the indentation: the law then leaves no dent
-    and e is constant. Without an elastic stage the rebound of slow impacts is too small.
+    yield_pressure p_d, Pa, about 3 S_y. Below δ_s = (9π²/8) (p_d/E)² R the law leaves no dent, and e = 0.894.
     """
 
     name: ClassVar[str] = "rigid-plastic"

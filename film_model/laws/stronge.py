@@ -34,8 +34,7 @@ class Stronge(AbstractLaw):
     f = x (1 + ln x/3.3) between yield and x_p = exp(3.3 (2.8/1.1 − 1)) = 164 (mean pressure 2.8 S_y), then
     f = (2.8/1.1) x; Hertz's unloading with R_d = x R. Work is the exact integral, not the rounded (23).
 
-    The slope jumps up at yield, and the force exceeds Hertz's until 15 δ_y, so unloading with this R_d returns more
-    energy than was stored when V is between 1 and 2.54 V_Y: a run warns, with the numbers.
+    The force exceeds Hertz's until 15 δ_y: between 1 and 2.54 V_Y more energy returns than was stored; a run warns.
     """
 
     name: ClassVar[str] = "stronge"

@@ -64,15 +64,12 @@ CLOSEST = 1e-9
 
 @dataclass(frozen=True)
 class Tabulated(AbstractLaw):
-    """F(δ) through given points, by monotone cubic interpolation (Fritsch & Carlson 1980): the force between two points
-    lies between theirs, and the slope is continuous.
+    """F(δ) through given points, by monotone cubic interpolation (Fritsch & Carlson 1980).
 
-    indentation: m, from 0 on, increasing. force: N, >= 0, not decreasing. In a scene: `file`, a CSV table whose first
-    row names the columns with their units, "indentation (um), force (N)"; or both lists.
-
-    Of a table with more than 60 points, 60 are interpolated, added one by one where the deviation is largest; a run
-    reports the largest deviation of the others. Valid from zero to the last indentation of the table; a larger
-    indentation is an error. In a scene the law unloads by Brake's rule (or reversibly, unloading = "retrace").
+    indentation, m, from 0 on, increasing; force, N, ≥ 0, not decreasing. In a scene both lists, or `file`: a CSV table
+    with the heading "indentation (um), force (N)". Of more than 60 points 60 are interpolated, added where the
+    deviation is largest; a run reports the largest one left. A larger indentation than the last is an error. In a scene
+    it unloads by Brake's rule (reversibly: unloading = "retrace").
     """
 
     name: ClassVar[str] = "tabulated"

@@ -11,19 +11,15 @@ from film_model.laws.law import AbstractLaw, ExampleBall, Family, Parameter, Pow
 
 @dataclass(frozen=True)
 class TanSun(AbstractLaw):
-    """The form of Yang & Sun 1982 (ASTM STP 787) and Tan & Sun 1985 (J. Appl. Mech. 52:6); the constants are yours.
+    """Yang & Sun 1982 (ASTM STP 787) and Tan & Sun 1985 (J. Appl. Mech. 52:6), with constants of your static test.
 
     Loading F = k δ^q; unloading F = F_m ((δ − δ_f)/(δ_m − δ_f))^{q_u}; reloading the same with q_r, up to the turning
     point. δ_f = 0 for δ_m ≤ δ_cr; beyond, δ_f = δ_m [1 − (δ_cr/δ_m)^{2/5}], or β (δ_m − δ_cr) if β is given.
 
-    stiffness: k, N/m^q, fitted to a static indentation test. critical_indentation: δ_cr, m (for graphite/epoxy about
-    0.08 mm is quoted). exponent q, unloading_exponent q_u ≥ q, reloading_exponent q_r ≤ q_u: 1.5, 2.5 and 1.5.
-    permanent_fraction: β, above 0 and at most 1.
-
-    Valid only for the laminate, thickness and indenter of the test. Since q_u differs from q, every contact loses
-    energy: e² = (q + 1)/(q_u + 1) (δ_m − δ_f)/δ_m. Reloading before the contact has opened follows the reloading curve,
-    scaled to lead from the current point to the turning point; a second unloading follows the unloading curve, scaled
-    likewise, and retraces it (our own choice, which creates no energy).
+    stiffness k, N/m^q; critical_indentation δ_cr, m (graphite/epoxy: about 0.08 mm); exponents q, unloading q_u ≥ q and
+    reloading q_r ≤ q_u; permanent_fraction 0 < β ≤ 1. Every contact loses energy: e² = (q + 1)/(q_u + 1) (δ_m −
+    δ_f)/δ_m. A second unloading follows the unloading curve, scaled, and retraces it (our own choice, which creates no
+    energy).
     """
 
     name: ClassVar[str] = "tan-sun"

@@ -15,13 +15,11 @@ from film_model.laws.yielding import limit_point
 class Thornton(AbstractLaw):
     """Thornton 1997, J. Appl. Mech. 64:383. Beyond δ_y = (π p_y/2E)² R the pressure is cut off at p_y:
 
-    F = F_y + π R p_y (δ − δ_y), that is f = 1 + (3/2)(d − 1) with d = δ/δ_y; the slope is continuous. Unloading is
-    Hertz's with R_p = R F_Hertz(δ_m)/F_m, which starts from the same contact radius a² = R δ_m.
+    F = F_y + π R p_y (δ − δ_y), that is f = 1 + (3/2)(d − 1) with d = δ/δ_y. Unloading is Hertz's with
+    R_p = R F_Hertz(δ_m)/F_m, from the same contact radius a² = R δ_m.
 
-    yield_pressure: p_y, Pa, about 1.6 S_y at first yield; 2.5 to 3 S_y is often taken to match deep indentations.
+    yield_pressure p_y, Pa: 1.6 S_y at first yield, 2.5 to 3 S_y to match deep indentations.
     With v = V_Y/V, e = √(6√3/5) (1 − v²/6)^{1/2} [v/(v + 2√((6 − v²)/5))]^{1/4}; for V ≫ V_Y, e = 1.18499 v^{1/4}.
-    Neglects strain hardening and the growth of the mean pressure between first yield and full plasticity. For small
-    indentations, a/R below about 0.2.
     """
 
     name: ClassVar[str] = "thornton"

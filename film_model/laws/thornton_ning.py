@@ -71,15 +71,13 @@ class ThorntonNing(AdhesiveLaw):
     """Thornton & Ning 1998, Powder Technol. 99:154: JKR's contact with the pressure cut off at p_y.
 
     Elastic up to p_y = 2 E a_y/(π R) − √(2 w E/(π a_y)), then F = F_y + π R p_y (δ − δ_y), a² = a_y² + R (δ − δ_y).
-    Unloading from a, F is JKR's with R_p = 4 E a³/(3 (F + √(8π w E a³))), moved by the dent
+    Unloading from a, F is JKR's with R_p = 4 E a³/(3 (F + √(8π w E a³))) ≥ R, moved by the dent
     δ_p = δ_m − a²/R_p + √(2π w a/E): tension up to 1.5 π w R_p, and contact ends at δ_p − 2.0801 δ_s (R_p/R)^{1/3},
-    where δ_s is JKR's. Without yield it is jkr, without adhesion thornton. Below a velocity the ball sticks. R_p is not
-    taken below R: close to yield a², which then grows more slowly than JKR's, would give it so, and energy with it.
+    where δ_s is JKR's. Without yield it is jkr, without adhesion thornton. Slow balls stick.
 
-    yield_pressure: p_y, Pa, about 1.6 S_y at first yield; 2.5 to 3 S_y is often taken to match deep indentations.
-    work_of_adhesion: w, J/m², of both surfaces together; the law needs p_y π R/(2 E a_c) above 1.06, so that the sphere
-    does not yield by adhesion alone. For soft and large bodies as jkr; under DMT's long-ranged attraction, which does
-    the work 2π w R δ on the way in and out, adhesion takes no energy from the rebound.
+    yield_pressure p_y, Pa, as thornton's; work_of_adhesion w, J/m², of both surfaces together, with p_y π R/(2 E a_c)
+    above 1.06, so that the sphere does not yield by adhesion alone. For long-ranged attraction (dmt) take thornton:
+    adhesion then takes no energy.
     """
 
     name: ClassVar[str] = "thornton-ning"

@@ -24,10 +24,9 @@ from film_model.laws.law import (
 class Tsuji(AbstractLaw):
     """Tsuji, Tanaka & Ishida 1992, Powder Technol. 71:239: F = K δ^{3/2} + α √(m K) δ^{1/4} δ̇ until F falls to zero.
 
-    restitution: e on a target that does not move, at any velocity. With w = δ^{5/4} the law is a linear spring and
-    dashpot of damping ratio ζ = α/√5 in the (w, δ̇) plane, with the same zero of the force: e(ζ) is that of
-    linear-dashpot, and α = √5 ζ(e) follows without a fit. The usual α = √5 β, β = −ln e/√(ln² e + π²), is right for a
-    contact with tension until δ = 0; without tension it gives 0.550 for e = 0.5.
+    restitution: e on a fixed target, at any velocity. With w = δ^{5/4} the law is a linear dashpot of damping ratio
+    ζ = α/√5 in the (w, δ̇) plane: α = √5 ζ(e), ζ(e) that of linear-dashpot. The usual α = √5 β,
+    β = −ln e/√(ln² e + π²), holds with tension until δ = 0; without it gives 0.550 for e = 0.5.
     """
 
     name: ClassVar[str] = "tsuji"

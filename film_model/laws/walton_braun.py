@@ -14,8 +14,8 @@ class WaltonBraun(AbstractLaw):
     """Walton & Braun 1986, J. Rheol. 30:949. Loading F = k_1 δ; unloading and reloading F = k_2 (δ − δ_f) with
     δ_f = (1 − k_1/k_2) δ_m.
 
-    loading_stiffness: k_1, N/m. unloading_stiffness: k_2 ≥ k_1, N/m. On a half-space e = √(k_1/k_2) at any velocity,
-    and contact lasts (π/2) √(m/k_1) (1 + e). A spring chosen for its restitution, not a model of a material.
+    loading_stiffness k_1 and unloading_stiffness k_2 ≥ k_1, N/m. On a half-space e = √(k_1/k_2) at any velocity, and
+    contact lasts (π/2) √(m/k_1) (1 + e).
     """
 
     name: ClassVar[str] = "walton-braun"

@@ -13,11 +13,10 @@ from film_model.laws.yielding import yield_point
 class YigitChristoforou(AbstractLaw):
     """Yigit & Christoforou 1994, Compos. Eng. 4:1143, with K_h = (4/3) E √R:
 
-    F = K_h δ^{3/2}; beyond δ_y, F = F_y + K_y (δ − δ_y) with K_y = (3/2) K_h √δ_y, so that the slope is continuous;
+    F = K_h δ^{3/2}; beyond δ_y, F = F_y + K_y (δ − δ_y) with K_y = (3/2) K_h √δ_y;
     unloading F = K_h (δ^{3/2} − δ_m^{3/2}) + F_m, which leaves δ_f^{3/2} = δ_m^{3/2} − F_m/K_h.
 
-    δ_y = 0.6806 π² R S_y²/E² (mean pressure 1.1 S_y). For laminates a strength of twice the shear strength is taken.
-    The stages are Thornton's; the dent is deeper, and contact ends with a force that is not tangent to zero.
+    δ_y = 0.6806 π² R S_y²/E² (mean pressure 1.1 S_y); for laminates take twice the shear strength as S_y.
     """
 
     name: ClassVar[str] = "yigit-christoforou"

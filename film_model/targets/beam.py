@@ -178,15 +178,14 @@ class Beam(AbstractTarget):
         return damped(with_strains(modes, self.sensors), self.damping_ratio)
 
     def reflections(self, impact: Impact) -> Estimate:
-        """Not assessed. Called only if the target is assumed fixed; otherwise the whole beam is simulated."""
+        """Not estimated: the whole beam is simulated, unless it is assumed fixed."""
         return Estimate(HELD)
 
     def thickness_effect(self, impact: Impact) -> Estimate:
         """The energy ½ c F² of shear deformation over the impact energy, if the theory neglects it.
 
-        c is Timoshenko's static compliance less Euler and Bernoulli's; of a wide beam, that of a plate around
-        the load is added, ℓ = w/(2π). On a beam that vibrates, contact may be lost and come back, and what
-        follows is sensitive to the modes: an effect below the tolerance is then not judged.
+        c is Timoshenko's static compliance less Euler and Bernoulli's; of a wide beam that around the load of a plate
+        is added, ℓ = w/(2π). If contact is lost and comes back, an effect below the tolerance is not judged.
         """
         if self.sheared:
             return no_effect("Timoshenko's theory includes shear and rotary inertia")
@@ -218,11 +217,9 @@ class Beam(AbstractTarget):
         return Estimate(f"the bending stress of a {self.kind} is not estimated")
 
     def cross_bending(self, impact: Impact) -> Estimate:
-        """The deflection by bending across the width, if the theory neglects it.
-
-        That of the plate with two free edges less that of the slender beam, in the middle of a half-sine with the
-        contact time on a fixed target; over the sum of indentation and deflection.
-        """
+        """The deflection by bending across the width, if the theory neglects it: of the plate with two free edges less
+        the slender beam, in the middle of a half-sine with the contact time on a fixed target, over indentation plus
+        deflection."""
         if self.wide:
             return no_effect("the beam is taken for a plate, which bends across its width")
         (duration, contact), place, plain = impact.held, (self._struck, self.width / 2), self._line_without_shear

@@ -53,11 +53,8 @@ class HalfSpace(AbstractTarget):
         return math.inf if self.material is None else radiation_impedance(self.material, duration)
 
     def thickness_effect(self, impact: Impact) -> Estimate:
-        """The thickness at which a plate would take up the tolerated fraction of the energy by its motion.
-
-        The energy lost is ∫F² dt/Z with the half-space's F. The thickness is an upper bound: a contact that ends before
-        a wave has crossed the plate and returned is not affected by the thickness.
-        """
+        """The thickness at which a plate would take up the tolerated fraction of the energy, ∫F² dt/Z with the
+        half-space's F. An upper bound: a contact that ends before a wave has returned does not feel the thickness."""
         if self.material is None:
             return missing("a thickness and target.material")
         m = self.material
@@ -68,11 +65,8 @@ class HalfSpace(AbstractTarget):
         return Estimate(reason, least, indicator="sufficient thickness, m")
 
     def wave_losses(self, impact: Impact) -> Estimate:
-        """Energy of the waves radiated into the half-space (`radiated_energy`), over the impact energy.
-
-        Without weight it varies as V^{3/5}. A weight that presses the ball in further than the impact does work, too,
-        and its waves may take more than the impact energy: then the ball stays.
-        """
+        """Energy of the waves radiated into the half-space (`radiated_energy`), over the impact energy: as V^{3/5}
+        without weight. Where a weight adds to it so that nothing is left, the ball stays."""
         if self.material is None:
             return missing("target.material")
         share = radiated_energy(self.material, impact) / impact.energy

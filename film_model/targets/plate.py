@@ -293,8 +293,8 @@ class Plate(AbstractTarget):
         return lesser(REFLECTION_CHANGE[0] * motion / greater(restitution, 1e-3) * delay ** REFLECTION_CHANGE[1], 1.0)
 
     def reflections(self, impact: Impact) -> Estimate:
-        """Waves reflected from the edges before contact ends: 0.03 (t/t_return)^2.2 m (1 + e)/(Z e t_c), with t
-        from the centre of the impulse to the end of contact; fitted for λ from 0.1 to 2, within a factor of three."""
+        """0.03 (t/t_return)^2.2 m (1 + e)/(Z e t_c), with t from the centre of the impulse to the end of contact;
+        fitted for λ from 0.1 to 2, within a factor of three."""
         if self.size is None:
             return missing("target.size")
         if not impact.by_impedance:
@@ -312,12 +312,11 @@ class Plate(AbstractTarget):
         return Estimate(reason, value, threshold, size)
 
     def thickness_effect(self, impact: Impact) -> Estimate:
-        """Shear increases the driving-point mobility 1/Z by k² h²/5, k² = ω √(ρ_A/D).
+        """Shear increases the mobility 1/Z, and the energy of bending waves, by k² h²/5, k² = ω √(ρ_A/D).
 
-        This is the lowest wave of an elastic layer (Rayleigh & Lamb) that is pressed on its face, to first order. ω is
-        the mean over the spectrum of a half-sine, 0.77 π/t_c. The energy carried away by bending waves changes in the
-        same proportion. If the plate is bent as a whole: the energy ½ c F² over the impact energy, with the deflection
-        c F around the load that plate theory and contact law neglect (`shear_around` in targets/plate_waves.py).
+        This is the lowest wave of an elastic layer pressed on its face, to first order, ω the mean over the spectrum of
+        a half-sine, 0.77 π/t_c. If the plate is bent as a whole: ½ c F² over the impact energy, c F the deflection
+        around the load that plate theory and contact law neglect (`shear_around` in targets/plate_waves.py).
         """
         thickness, material = self.thickness, self.material
         if thickness is None or material is None:
@@ -347,8 +346,8 @@ class Plate(AbstractTarget):
     def wave_losses(self, impact: Impact) -> Estimate:
         """The energy of waves that the bending waves of the plate lack.
 
-        A contact shorter than 2h/c_L radiates as into a half-space; one longer than 10 h/c_T excites bending waves.
-        Between, a quarter of what a half-space takes comes on top of bending and shear, or what it takes more than it.
+        A contact shorter than 2h/c_L radiates as into a half-space; beyond 10 h/c_T bending waves take all. Between, a
+        quarter of what a half-space takes, or what it takes more than bending and shear.
         """
         if self.thickness is None or (material := self.material) is None:
             return Estimate("the thickness or the waves of a plate of layers, or of given stiffness, are not known")
@@ -381,13 +380,12 @@ class Plate(AbstractTarget):
         return stretching(impact, thickness, self.compliance, part, strain, membrane, loose)
 
     def bending_strength(self, impact: Impact) -> Estimate:
-        """6 M/h² on the far face against the strength: see `bending_stress` in targets/bending_strength.py."""
+        """6 M/h² on the far face over the strength: `bending_stress` in targets/bending_strength.py."""
         reach = reach_of(impact.turn, self.stiffness[0], self.surface_density)
         return bending_strength(impact, self.material, self.thickness, reach, min(self.size) if self.size else None)
 
     def cross_bending(self, impact: Impact) -> Estimate:
-        """Twist coupled with bending in a layup, D16 and D26: the change of the impedance of an infinite plate by
-        them."""
+        """The change of the impedance of an infinite plate by D16 and D26."""
         if self.layup is None:
             return no_effect("the plate has no layers that couple twist with bending")
         value, change = coupling(self.layup)

@@ -161,11 +161,8 @@ class Rod(AbstractTarget):
         return either(delay > RETURNED, 1.0, 0.0) + 0.0 * motion
 
     def reflections(self, impact: Impact) -> Estimate:
-        """The wave reflected from the far end, which returns after 2L/c.
-
-        It moves the struck end by 2/Z times the impulse given up to 2L/c earlier (of a half-sine force). The change is
-        this displacement over the indentation.
-        """
+        """The wave that returns after 2L/c moves the struck end by 2/Z times the impulse (of a half-sine) given up to
+        2L/c earlier: over the indentation."""
         if self.length is None:
             return missing("target.length")
         returns = self.return_time

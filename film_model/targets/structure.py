@@ -230,7 +230,7 @@ class Structure(AbstractTarget):
         return 0.0
 
     def reflections(self, impact: Impact) -> Estimate:
-        """Not assessed: all of the structure is simulated."""
+        """Not estimated: all of the structure is simulated."""
         return no_effect("the vibrations of the structure are simulated")
 
     def bending_strength(self, impact: Impact) -> Estimate:
@@ -238,13 +238,10 @@ class Structure(AbstractTarget):
         return Estimate(f"the bending stress of a {self.kind} is not estimated")
 
     def omitted_modes(self, impact: Impact) -> Estimate:
-        """Vibrations above the highest that is given, Ω.
-
-        If the static compliance is not given, the compliance that they would add is unknown; it is taken as Σ φ²/(M
-        Ω²) of the given ones, as on a plate, whose vibrations have equal distances and shares. If it is given, the
-        part c of it that the given ones lack has an inertia, neglected with an error of c (π/T)²/Ω², T being the
-        contact time on a fixed target. Both over the sum of indentation and deflection in the middle of a half-sine of
-        this duration.
+        """If the static compliance is not given, they would add about Σ φ²/(M Ω²) of the given ones, as on a plate. If
+        it is given, the part c of it that the given ones lack has an inertia, neglected with an error of c
+        (π/T)²/Ω², T the contact time on a fixed target. Both over indentation plus deflection in the middle of a
+        half-sine of this duration.
         """
         duration, contact = impact.held
         modes, rate = self._all, math.pi / duration

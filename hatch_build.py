@@ -183,11 +183,12 @@ class CustomBuildHook(BuildHookInterface):
     def seal(self, command: list[str], library: Path) -> str:
         """A hash of the compiler, its arguments, all that is compiled, and the library: what another build would give.
 
-        Folders of headers are left out: FMPy's is another in each isolated build, the others are read here.
+        Folders of headers are left out, and all of the compiler's version but its first line: those of FMPy and zig are
+        others in each isolated build.
         """
         compiler = [*command[: command.index(FLAGS[0])], "--version"]
         flags = [one for one in command[1:] if not one.startswith("-I")]
-        made_by = subprocess.run(compiler, cwd=self.root, capture_output=True, text=True).stdout
+        made_by = subprocess.run(compiler, cwd=self.root, capture_output=True, text=True).stdout.partition("\n")[0]
         whole = hashlib.sha256(repr((made_by, flags, os.environ.get("MACOSX_DEPLOYMENT_TARGET"))).encode())
         sources = [Path(self.root, one) for one in command if one.endswith(".c")]
         headers = [sorted(Path(self.root, folder).rglob("*.h")) for folder in (CORE, platforms.RUNTIME)]

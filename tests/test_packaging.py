@@ -143,3 +143,31 @@ def test_checks_that_are_written_down_are_those_that_are_run():
     commands = re.findall(r"^\$ (.*?)(?:\s+#.*)?$", guide, re.MULTILINE)
     assert len(commands) > 5
     assert not [c for c in commands if c not in runs and c not in (".ci/run", ".venv/bin/pre-commit install")]
+
+
+@with_compiler
+def test_what_is_up_to_date_is_not_compiled_again(tmp_path):
+    """Another compiler option, a changed source, header or library is; the same ones are not."""
+    hook = hatch_build.CustomBuildHook(str(tmp_path), {}, None, None, str(tmp_path), "wheel")
+    core = tmp_path / hatch_build.CORE
+    core.mkdir(parents=True)
+    source, header, library = core / "film_one.c", core / "film_one.h", core / "_film_one.so"
+    header.write_text("int film_one(void);\n")
+
+    def built(number, *options):
+        """Whether it was compiled."""
+        source.write_text(f'#include "film_one.h"\nint film_one(void) {{ return {number}; }}\n')
+        before = library.stat().st_ino if library.exists() else None
+        command = ["cc", *hatch_build.FLAGS, *hatch_build.SHARED, *options, f"{hatch_build.CORE}/film_one.c"]
+        hook.run(command, f"{hatch_build.CORE}/_film_one.so", ())
+        return library.stat().st_ino != before
+
+    assert built(1) and not built(1)
+    assert built(2) and not built(2)
+    assert built(2, "-g1") and not built(2, "-g1")
+    header.write_text("int film_one(void);  /* one */\n")
+    assert built(2, "-g1") and not built(2, "-g1")
+    library.write_bytes(library.read_bytes() + b"\0")
+    assert built(2, "-g1") and not built(2, "-g1")
+    library.unlink()
+    assert built(2, "-g1")

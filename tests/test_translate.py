@@ -240,7 +240,7 @@ def test_command_line(capsys, tmp_path):
     (law,) = json.loads(capsys.readouterr().out)["laws"]
     assert law["parameters"]["kn"]["units"] == "N/m" and len(law["velocities"]) == 2
     assert law["errors"]["force"]["rms"] > 0.1
-    assert main(["contact-for", "bullet", str(file)]) == 3
+    assert main(["contact-for", "havok", str(file)]) == 3
     assert "choose mujoco, drake" in capsys.readouterr().err
     assert main(["contact-for", "yade", str(file), "--velocity", "fast"]) == 3
     assert capsys.readouterr().err.startswith("velocity: ")

@@ -7,16 +7,20 @@ from __future__ import annotations
 
 from film_model.base.errors import did_you_mean
 from film_model.translate.adams import ADAMS
+from film_model.translate.bullet import BULLET
 from film_model.translate.chrono import CHRONO
 from film_model.translate.drake import DRAKE
 from film_model.translate.fit import Translation, contact_for
 from film_model.translate.lammps import LAMMPS
 from film_model.translate.law import Engine, EngineLaw
 from film_model.translate.liggghts import LIGGGHTS
+from film_model.translate.modelica import MODELICA
 from film_model.translate.mujoco import MUJOCO
+from film_model.translate.newton import NEWTON
 from film_model.translate.yade import YADE
 
-ENGINES = {engine.name: engine for engine in (MUJOCO, DRAKE, CHRONO, ADAMS, LAMMPS, YADE, LIGGGHTS)}
+_ALL = (MUJOCO, DRAKE, BULLET, NEWTON, CHRONO, ADAMS, MODELICA, LAMMPS, YADE, LIGGGHTS)
+ENGINES = {engine.name: engine for engine in _ALL}
 """The engines, by the name that is typed."""
 
 

@@ -11,6 +11,10 @@ import numpy as np
 from film_model.translate.law import EngineLaw, Middle, Pair, Parameter, Values
 
 RESTITUTION = Parameter("restitution", "", "coefficient of restitution", 0.01, 1.0)
+SPRING_AND_DASHPOT = (
+    Parameter("kn", "N/m", "stiffness of the pair; twice as much for each body", 1e-12, logarithmic=True),
+    Parameter("cn", "N s/m", "damping of the pair"),
+)
 
 
 def modulus(name: str) -> Parameter:
@@ -50,6 +54,17 @@ def hooke_stiffness(pair: Pair, effective_modulus: Any) -> Any:
     """k of the spring that is as deep as Hertz's at the characteristic velocity, which is `pair.velocity`."""
     base = 16.0 / 15.0 * math.sqrt(pair.radius) * effective_modulus
     return base * (pair.mass * pair.velocity**2 / base) ** 0.2
+
+
+def spring_and_dashpot(pair: Pair, values: Values, depth: Any, rate: Any) -> Any:
+    """kn δ + cn δ'."""
+    return values["kn"] * depth + values["cn"] * rate
+
+
+def start_spring_and_dashpot(pair: Pair, middle: Middle) -> dict[str, float]:
+    """The spring through the middle impact's largest force and depth, with its damping ratio."""
+    k = middle.stiffness(1.0)
+    return {"kn": k, "cn": 2.0 * middle.damping_ratio * (pair.mass * k) ** 0.5}
 
 
 def start_by_restitution(pair: Pair, middle: Middle) -> dict[str, float]:

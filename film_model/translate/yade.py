@@ -40,15 +40,6 @@ def _angle(pair: Pair) -> float:
     return math.atan(pair.friction or 0.0)
 
 
-def _linear(pair: Pair, values: Values, depth: Any, rate: Any) -> Any:
-    return values["kn"] * depth + values["cn"] * rate
-
-
-def _start_linear(pair: Pair, middle: Middle) -> dict[str, float]:
-    k = middle.stiffness(1.0)
-    return {"kn": k, "cn": 2.0 * middle.damping_ratio * (pair.mass * k) ** 0.5}
-
-
 def _paste_linear(pair: Pair, values: Values) -> str:
     kn, cn = 2.0 * values["kn"], 2.0 * values["cn"]
     ks = 0.0 if pair.friction is None else kn / pair.ratio
@@ -79,12 +70,9 @@ LINEAR = EngineLaw(
     name="viscoelastic",
     formula="F = kn δ + cn δ'",
     source="Yade documentation, ViscElMat and Law2_ScGeom_ViscElPhys_Basic",
-    parameters=(
-        Parameter("kn", "N/m", "stiffness of the pair; twice as much for each body", 1e-12, logarithmic=True),
-        Parameter("cn", "N s/m", "damping of the pair; twice as much for each body"),
-    ),
-    force=_linear,
-    start=_start_linear,
+    parameters=granular.SPRING_AND_DASHPOT,
+    force=granular.spring_and_dashpot,
+    start=granular.start_spring_and_dashpot,
     paste=_paste_linear,
     tangential={"ViscElPhys": "hooke"},
 )

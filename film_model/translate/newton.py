@@ -1,0 +1,69 @@
+"""Newton: the penalty contact of its semi-implicit solver, a spring and a dashpot that acts on approach only."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+
+from film_model.translate import granular
+from film_model.translate.law import Engine, EngineLaw, Middle, Pair, Parameter, Values
+
+
+def _force(pair: Pair, values: Values, depth: Any, rate: Any) -> Any:
+    """ke δ + kd max(δ', 0)."""
+    return values["ke"] * depth + values["kd"] * np.maximum(rate, 0.0)
+
+
+def _start(pair: Pair, middle: Middle) -> dict[str, float]:
+    """The dashpot acts in half of the contact: twice the damping of a spring and dashpot."""
+    begin = granular.start_spring_and_dashpot(pair, middle)
+    return {"ke": begin["kn"], "kd": 2.0 * begin["cn"]}
+
+
+def _paste(pair: Pair, values: Values) -> str:
+    numbers = f"ke={values['ke']:.6g}, kd={values['kd']:.6g}, kf=0, mu={pair.friction or 0.0:.6g}, density=0"
+    inertia = 0.4 * pair.ball_mass * pair.ball_radius**2
+    body = (
+        "{name} = builder.add_body(xform=wp.transform((0, 0, {height:.6g}), wp.quat_identity()), mass={mass:.6g},\n"
+        "    inertia=wp.mat33({inertia:.6g}, 0, 0, 0, {inertia:.6g}, 0, 0, 0, {inertia:.6g}))\n"
+        "builder.add_shape_sphere({name}, radius={radius:.6g}, cfg=contact)"
+    )
+    radius = pair.target_radius
+    ball = body.format(
+        name="ball", height=pair.ball_radius, mass=pair.ball_mass, inertia=inertia, radius=pair.ball_radius
+    )
+    if math.isinf(radius):
+        other = "builder.add_ground_plane(cfg=contact)"
+    elif pair.fixed:
+        other = f"""builder.add_shape_sphere(-1, xform=wp.transform((0, 0, {-radius:.6g}), wp.quat_identity()),
+    radius={radius:.6g}, cfg=contact)"""
+    else:
+        spin = 0.4 * pair.target_mass * radius**2
+        other = body.format(name="target", height=-radius, mass=pair.target_mass, inertia=spin, radius=radius)
+    return f"""contact = newton.ModelBuilder.ShapeConfig({numbers})
+{ball}
+{other}
+# then newton.solvers.SolverSemiImplicit(builder.finalize())"""
+
+
+SEMI_IMPLICIT = EngineLaw(
+    name="semi-implicit",
+    formula="F = ke δ + kd max(δ', 0)",
+    source="Newton 1.8, newton/_src/solvers/semi_implicit/kernels_contact.py",
+    parameters=(
+        Parameter("ke", "N/m", "stiffness, of both shapes", 1e-12, logarithmic=True),
+        Parameter("kd", "N s/m", "damping, of both shapes"),
+    ),
+    force=_force,
+    start=_start,
+    paste=_paste,
+    notes=(
+        "two shapes take the mean of their numbers, so that both are given the same",
+        "positions are 32-bit numbers: a ball 1 m from the origin has its depth to 0.1 µm",
+        "other solvers of Newton take ke and kd as parameters of their own laws: fit MuJoCo's for SolverMuJoCo",
+    ),
+)
+
+NEWTON = Engine("newton", "Newton", (SEMI_IMPLICIT,))

@@ -76,8 +76,8 @@ def sweep_page() -> str:
         )
     }
 - `"grid"`: every value with every other. `"zip"`: first values together, then second values, and so on.
-- `"random"`, `"sobol"`, `"latin-hypercube"`: `samples` points in the ranges and distributions; Sobol's points
-  cover them most evenly. `correlation` is that of the normal deviates by whose probabilities they are drawn.
+- `"random"`, `"sobol"`, `"latin-hypercube"`: `samples` points; Sobol's cover ranges most evenly. `correlation` is that
+  of the normal deviates by whose probabilities they are drawn.
 - `{{ file = "runs.csv" }}`, or `.parquet`: the rows of your table, in place of `[over]`; see [Sweeps](../sweeps.md).
 
 ## `[over]`
@@ -91,8 +91,7 @@ A value of `"impactor.velocity"`, or of any other key that is a number:
 - `{{ {EMPIRICAL} = ["1 m/s", "1.2 m/s", …] }}`: observed values, interpolated linearly
 - `"10 mm ± 0.05 mm"` or `"10 mm ± 0.5 %"`: uniform between the limits
 
-The distributions need a sampled design. Keys that are words take lists:
-`"contact.law" = ["hertz", "stronge"]`. Where a choice needs other keys too, list whole sections:
+Distributions need a sampled design. Words take lists: `"contact.law" = ["hertz", "stronge"]`; whole sections too:
 `"contact" = [{{ law = "hertz" }}, {{ law = "tsuji", restitution = 0.7 }}]`.
 
 ## Example
@@ -131,19 +130,18 @@ def csv_page() -> str:
 
     return f"""# CSV files
 
-{MADE}All are UTF-8 text. The first line names the columns, each with its unit in brackets:
-`time [us], force [kN]`; in measurements the units may be a row of their own below it. Columns are separated by commas,
-semicolons or tabs, numbers have a decimal point, and lines that begin with `#` are comments. Restitutions may be in
-`[%]`. A file has at most 100 MB. Mistakes are reported with their line.
+{MADE}UTF-8 text of at most 100 MB. The first line names the columns with their units, `time [us], force [kN]`; in
+measurements the units may be a row of their own. Commas, semicolons or tabs separate, `#` begins a comment.
+Restitutions may be in `[%]`.
 
-Measurements in files with other headings, or with lines of an oscilloscope before them, are read by
-`film-model identify … --columns time=TIME force="CH1 [2.2 kN]"`: the heading of each quantity in the file, with the
-unit that its numbers have, unless the file says so; a factor is that of the sensor, here 2.2 kN/V. Other columns are
-ignored. `examples/measurements` has a file of drop heights and one of an oscilloscope.
+Other headings, and lines of an oscilloscope before them, are read by
+`film-model identify … --columns time=TIME force="CH1 [2.2 kN]"`: the heading in the file, with the unit of its numbers
+unless the file says so; a factor is that of the sensor, here 2.2 kN/V. Other columns are ignored. See
+`examples/measurements`.
 
 ## A measured history
 
-For `film-model identify` and `film_datasets.from_csv`. Times increase and count from first touch.
+For `film-model identify` and `film_datasets.from_csv`; times from first touch.
 
 {rows({"t": ("time", "time since first touch; required"), **MEASURED_MOTION})}
 ```text
@@ -156,7 +154,7 @@ time [us], force [N]
 ## Measured motions of sensors
 
 For `film-model identify --force-from` and `film_datasets.identify_force`: even times, and a column for each sensor of
-`[[target.sensors]]`, under its name. The unit says whether it is a displacement, a velocity or an acceleration.
+`[[target.sensors]]`, of displacement, velocity or acceleration by its unit.
 
 ```text
 time [us], corner [m/s^2], wall [g]
@@ -166,7 +164,7 @@ time [us], corner [m/s^2], wall [g]
 
 ## Measured impacts
 
-For the same commands: one row for each impact. Cells may be empty, except velocities.
+For `film-model identify`: one row for each impact. Cells may be empty, except velocities.
 
 {rows({"impactor_velocity": ("velocity", "at first touch, normal to the surface; required"), **SUMMARY})}
 ```text
@@ -189,8 +187,8 @@ mm, mm
 
 ## A contact law as a table
 
-`law = "tabulated"` with `file = "…"` in `[contact]`: columns `indentation` and `force`. The indentation begins
-with 0 and increases, the force does not decrease.
+`law = "tabulated"` with `file = "…"` in `[contact]`: an `indentation` that increases from 0, a `force` that does not
+decrease.
 
 ```text
 indentation [um], force [N]
@@ -202,8 +200,8 @@ indentation [um], force [N]
 ## Vibrations of a structure
 
 `kind = "structure"` with `file = "…"` in `[target]`: one row for each vibration, in any order. Between semicolons
-numbers may have decimal commas, and exponents may be Fortran's, `1.5D+03`. A comment may give the static compliance,
-which the entry of the scene replaces: `# static_compliance = 4.01e-6 m/N`.
+decimal commas, and Fortran's exponents `1.5D+03`, are read. A comment may give the static compliance if the scene does
+not: `# static_compliance = 4.01e-6 m/N`.
 
 {
         table(
@@ -237,9 +235,9 @@ def command_page() -> str:
     )
     return f"""# Command line
 
-{MADE}Results go to standard output, progress and warnings to standard error. Exit status 0: done; 2: the scene, the FMU
-or the command line is wrong; 3: the work failed, a file cannot be read or written, or a check failed; 130: interrupted.
-With `--json` a command prints one JSON object, in SI units, and nothing else.
+{MADE}Progress and warnings go to standard error. Exit status 0: done; 2: the scene, the FMU or the command line is
+wrong; 3: the work failed, a file cannot be read or written, or a check failed; 130: interrupted. `--json` prints one
+JSON object, in SI units.
 
 {sections}"""
 

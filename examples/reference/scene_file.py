@@ -163,11 +163,11 @@ def scene_page() -> str:
     targets = "\n".join(f'### `kind = "{kind}"`\n\n{keys(target)}' for kind, target in TARGETS.items())
     return f"""# Scene file
 
-{MADE}A scene is a TOML file. A quantity is a text with a unit, `"10 mm"`; a number without a unit is
-allowed only where the table shows one. Any unit of the right dimension works (`mm`, `in`, `mph`, `lb`, `ksi`, …). All
-mistakes of a file are reported at once, each with its line. `film-model new` writes a commented file.
+{MADE}A scene is a TOML file; `film-model new` writes a commented one. A quantity is a text with any unit of the right
+dimension (`"10 mm"`, `in`, `mph`, `lb`, `ksi`, …), a number only where the table shows one. All mistakes are reported
+at once, each with its line.
 
-`title = "…"`, at the top, is optional and appears in every output. `[impactor]` and `[target]` are required.
+`title = "…"`, at the top, is optional. `[impactor]` and `[target]` are required.
 
 ## `[impactor]`
 
@@ -176,9 +176,8 @@ Give `velocity` or `drop_height`. `diameter` may replace `radius`.
 
 ## `[target]`
 
-`kind` is required, and selects the other keys: {words(TARGETS)}. In a
-free body `diameter` may replace `radius`. [Structures](../structures.md) explains edges, supports, layups and
-vibrations.
+`kind` selects the other keys: {words(TARGETS)}. In a free body
+`diameter` may replace `radius`. [Structures](../structures.md) explains edges, layups and vibrations.
 
 {targets}
 ### `[target.bending_stiffness]`
@@ -186,24 +185,23 @@ vibrations.
 {keys(BendingStiffness)}
 ### Layers: `layup`
 
-Each layer is `["material", "thickness", angle in degrees]`, for example `["carbon/epoxy UD", "0.125 mm", 45]`. The
-material is a ply from the catalogue or a table:
+Each layer is `["carbon/epoxy UD", "0.125 mm", 45]`, the angle in degrees. The material is a ply of the catalogue or a
+table:
 
 {keys(PlyMaterial)}
 ## Materials
 
-`material` is a name of the catalogue (`film-model materials` lists them) or a table, `[impactor.material]` or
-`[target.material]`:
+`material` is a name of the catalogue (`film-model materials`) or a table, `[impactor.material]` or `[target.material]`:
 
 {keys(Material)}
 ## `[contact]`
 
 {keys(Contact)}
-A law has parameters of its own, which are keys of this section too: [Contact laws](../laws.md).
+The parameters of a law are keys of this section, too: [Contact laws](../laws.md).
 
 ## `[effects]`
 
-`"auto"` simulates an effect if it matters; [Effects](../effects.md) says how that is decided.
+`"auto"` simulates an effect if it matters: [Effects](../effects.md).
 
 {keys(Effects)}
 ## `[solver]`

@@ -22,10 +22,9 @@ def fmu_page() -> str:
     events = ((f"`{name}`", str(code), what) for code, (name, what) in enumerate(EVENT_KINDS.items()))
     return f"""# FMU variables
 
-{MADE}Names are the same in FMI 2.0 and 3.0. The two kinds are `--kind impact` and `--kind contact`; – means that the
-kind does not have the variable. A parameter exists if the scene's law or target has it. Values are SI; directions are
-positive into the target. Sensors on a target that vibrates have outputs such as `sensor_tip_displacement`,
-`sensor_tip_velocity` and `sensor_tip_acceleration`. [FMUs](../fmus.md) says what an FMU simulates.
+{MADE}The same names in FMI 2.0 and 3.0, by `--kind`; – if there is none. A parameter exists if the scene's law or
+target has it. Values are SI, directions positive into the target. Sensors have outputs such as
+`sensor_tip_acceleration`.
 
 {table(("variable", *KINDS, "unit", "meaning", "range"), rows)}
 ## Phases
@@ -54,18 +53,15 @@ def dataset_page() -> str:
     )
     return f"""# Dataset variables
 
-{MADE}Datasets are netCDF or Zarr, follow CF-1.11 and are in SI units; any reader of netCDF opens them. The attribute
-`film_model_schema` names the kind of a dataset. In a sweep the dimension `impacts` stands for the swept quantities of a
-grid, `impactor_velocity` for example, or for `impact`. A history is stored as its segments too, so that it is exact at
-any time.
+{MADE}Datasets follow CF-1.11, in SI units; the attribute `film_model_schema` names their kind. The dimension
+`impacts` of a sweep stands for the swept quantities of a grid, or for `impact`. A history has its segments too, exact
+at any time.
 
-Sweeps with `derivatives` have, for each number of the scene, `d_<value>_d_<number>` for every summary value, in the
-unit of the value over that of the number; `derivative_accuracy_<number>`, the largest estimated relative error; and
-`derivative_side_<number>`: {", ".join(f"{k} `{word}`" for k, word in SIDES)}.
-The attribute `derivatives` names the numbers. Sweeps over a structure with sensors have, for each, its largest motions
-`sensor_<name>_maximum_displacement`, `…_velocity` and `…_acceleration`, and with `strain` also `…_strain_x`,
-`…_strain_y` and `…_bending_stress`; the attribute `sensors` names them. The attribute `variables`, of a sweep that
-keeps only some of its values, names those.
+Sweeps with `derivatives` have `d_<value>_d_<number>` for every summary value; `derivative_accuracy_<number>`, the
+largest estimated relative error; and `derivative_side_<number>`: {", ".join(f"{k} `{word}`" for k, word in SIDES)}.
+Sweeps with sensors have the largest motions of each, `sensor_<name>_maximum_displacement`, `…_velocity` and
+`…_acceleration`, and with `strain` also `…_strain_x`, `…_strain_y` and `…_bending_stress`. The attributes
+`derivatives`, `sensors` and `variables` name the numbers, the sensors and, if not all, the values.
 
 ## Global attributes
 

@@ -55,7 +55,7 @@ def page(reports: Sequence[Report]) -> str:
     """The reports as a Markdown page."""
     names = list(dict.fromkeys(name for r in reports for name in r.others))
     balances = [r.finding.balance for r in reports if r.finding.balance is not None]
-    heads = ["case", "outcome", "error", "allowed", "balance", "segments", "time", *names]
+    heads = ["what is hard", "case", "outcome", "error", "allowed", "balance", "segments", "time", *names]
     lines = [
         "# Hard cases",
         "",
@@ -67,16 +67,16 @@ def page(reports: Sequence[Report]) -> str:
         "",
         f"{sum(r.finding.good for r in reports)} of {len(reports)} cases passed; the largest relative error of a",
         f"balance of momentum or energy is {max(balances, default=0.0):.1e}.",
+        "",
+        f"| {' | '.join(heads)} |",
+        "|" + "---|" * len(heads),
     ]
-    why = ""
-    for r in reports:
-        if r.case.why != why:
-            why = r.case.why
-            lines += ["", f"## {why[0].upper()}{why[1:]}", "", f"| {' | '.join(heads)} |", "|" + "---|" * len(heads)]
+    for before, r in zip((None, *reports), reports, strict=False):
         f = r.finding
         balance = "" if f.balance is None else f"{f.balance:.0e}"
         numbers = [f"{f.error:.1e}", f"{f.allowed:.0e}", balance, str(f.segments or ""), f"{r.seconds:.2f} s"]
         cells = [
+            "" if before is not None and before.case.why == r.case.why else r.case.why,
             r.case.name,
             f.outcome if f.good else f"**{f.outcome}**",
             *numbers,

@@ -77,9 +77,9 @@ def small_slope(case: Case, rule: Rule) -> Effect:
 
     An elastic ball of ν = 0.3 on a rigid plane presses 5, 10, 24 and 69 % harder at √(δ/R) = 0.05, 0.1, 0.2 and 0.4
     (finite elements); a rigid ball on an elastic half-space by 6 % at most, and Sneddon's rigid sphere, δ = (a/2) ln((R
-    + a)/(R − a)), F = E [(a² + R²)/2 ln((R + a)/(R − a)) − a R], less by a²/(10 R²). Bodies are weighted by their
-    shares of the compliance. The change is that of the indentation at the energy of the impact, 1.6, 3.3, 7 and 16 %
-    for that ball; force and contact time change less. From an indentation of one radius no law is valid.
+    + a)/(R − a)), F = E [(a² + R²)/2 ln((R + a)/(R − a)) − a R], less by a²/(10 R²). Shares of the compliance weight
+    the bodies. The change is that of the indentation at the energy of the impact, 1.6, 3.3, 7 and 16 % for that ball;
+    force and contact time change less. From an indentation of one radius no law is valid.
     """
     scene = case.scene
     modulus, radius = scene.effective_modulus, scene.effective_radius
@@ -124,8 +124,8 @@ def obliqueness(case: Case, rule: Rule) -> Effect:
     """An impact at an angle or with spin: simulated with friction in [contact], otherwise its normal component.
 
     Without friction the change is the range of the ball's tangential velocity for friction coefficients from 0 to 1,
-    over its speed before: friction's impulse is at most µ m (1 + e) V cos α, and at most m_t v (1 + β), which throws
-    the contact point back with the largest share β that an elastic contact gives back.
+    over its speed before: the impulse is at most µ m (1 + e) V cos α, and at most m_t v (1 + β), with the largest share
+    β of the velocity that an elastic contact gives back.
     """
     return oblique(case.scene, rule, case.restitution, case.tolerance)
 

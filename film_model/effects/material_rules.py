@@ -82,13 +82,13 @@ def _radius_of_parting(case: Case, modulus: float) -> float:
 def material_damping(case: Case, rule: Rule) -> Effect:
     """Material damping: loss factors tan δ take the fraction 1 − e² of the elastic energy.
 
-    e is that of a contact whose modulus relaxes as t^−β, tan δ = tan(πβ/2), after Lee & Radok 1960 and Ting 1966: 1 −
-    1.2048 tan δ, to 1 % of e up to tan δ = 0.12. Loss factors are averaged with the compliances as weights; a missing
-    one is taken as 0, and the effect says so, or matters if the body is softer than 5 GPa (plastic, rubber, foam).
+    e is that of a modulus t^−β, tan δ = tan(πβ/2), after Lee & Radok 1960 and Ting 1966: 1 − 1.2048 tan δ, to 1 % of e
+    up to tan δ = 0.12. Loss factors are averaged with the compliances as weights; a missing one is 0, and the effect
+    says so, or matters if the body is softer than 5 GPa.
 
-    Law "auto" simulates them by the law tsuji with this restitution, at all velocities, if they change the summary by
-    more than the tolerance; of an impact that yields, if they leave less than the law elastoplastic does. No law here
-    both yields and damps, and none that damps follows a static stiffness: a warning says what is left out.
+    Law "auto" takes law tsuji with this restitution, at all velocities, if the summary changes by more than the
+    tolerance; where the impact yields, if that leaves less than elastoplastic. No law both yields and damps, or damps
+    on a static stiffness: a warning says what is left out.
     """
     if case.problem.law.damped:
         return rule.absent(f"it is in the law {case.problem.law.name}")
@@ -146,13 +146,13 @@ def fracture(case: Case, rule: Rule) -> Effect:
     tensile_strength.
 
     With a toughness: a ring crack of depth c has K² = F² ψ/(π² a³), with ψ(c/a, r/a) from Huber's radial stress. The
-    maximum over c and r gives the least force that can crack the surface: F = (3 π²/4 ψ) K_Ic² R/E. Surfaces without
-    flaws of that size bear more. With a tensile strength: the stress at the edge, (1 − 2ν) p0/3 (Hertz), p0 = 1.5 times
-    the mean pressure; small contacts bear several times as much. What a crack absorbs is unknown.
+    maximum over c and r gives the least force of a crack, F = (3 π²/4 ψ) K_Ic² R/E; surfaces without such flaws bear
+    more. With a tensile strength: the stress at the edge, (1 − 2ν) p0/3 (Hertz), p0 = 1.5 times the mean pressure;
+    small contacts bear several times as much. What a crack absorbs is unknown.
 
-    A body with a crushing_strength begins to crush where the mean pressure exceeds it, and is taken to bear p_c = 3
-    times this strength when crushed (ice 2 to 3.3 times: Gagnon & Gammon 1997, J. Glaciol. 43): the force is at most W
-    + √(W² + 4π R p_c E), with the weight W and the impact energy E. Small contacts on concrete may bear more.
+    A body with a crushing_strength crushes where the mean pressure exceeds it, and then bears p_c = 3 times as much
+    (ice 2 to 3.3 times: Gagnon & Gammon 1997, J. Glaciol. 43): a force of at most W + √(W² + 4π R p_c E), with the
+    weight W and the impact energy E. Small contacts on concrete may bear more.
     """
     scene = case.scene
     bodies = {"impactor": scene.impactor.material, "target": scene.target.material}

@@ -1,11 +1,10 @@
 """Viscoelasticity: the modulus of a material with a prony series relaxes while the bodies are in contact.
 
-On the way in F = (4/3) √R ∫ E(t − s) d(δ^{3/2}) (Lee & Radok 1960), E(t) the contact modulus of both bodies together.
-On the way out the integral ends at t₁(t), when the contact was as wide as it is now: ∫ E(t − s) dδ from t₁ to t is 0,
-and contact ends when t₁ is 0 (Ting 1966): exact for quasi-static contact of a sphere, constant Poisson's ratios, one
-approach and one parting. Refused: a contact that closes again before it ends, or begins while more than 1 % of its
-depth has still to recover (less changes it by at most 0.4 %). What remains of the indentation recovers: it is not a
-dent. Only law hertz relaxes, on targets that do not vibrate.
+On the way in F = (4/3) √R ∫ E(t − s) d(δ^{3/2}) (Lee & Radok 1960), E(t) the contact modulus of both bodies. On the way
+out the integral ends at t₁(t), when the contact was as wide: ∫ E(t − s) dδ from t₁ to t is 0, and contact ends when t₁
+is 0 (Ting 1966): exact for quasi-static contact of a sphere, constant Poisson's ratios, one approach and one parting.
+Refused: a contact that closes again before it ends, or begins while more than 1 % of its depth has still to recover
+(less changes it by at most 0.4 %). The indentation recovers: no dent. Only law hertz relaxes, without vibrations.
 """
 
 from __future__ import annotations

@@ -1,14 +1,13 @@
 """Wave losses: what a contact radiates into a half-space, as an impedance of the target that takes as much energy.
 
-The surface under a point force F(t) lags behind its static deflection by Ḟ β/(ρ c_T³) (Lamb's problem), so that waves
-take β/(ρ c_T³) ∫Ḟ² dt. Zener's impedance Z takes ∫F² dt/Z: as much for an elastic impact of the contact time t_c if
-Z = 0.0878 t_c² ρ c_T³/β. Finite elements of a rigid ball of steel's density on steel lose 1.54 and 4.00 % at 1 and
-5 m/s, these impacts 1.52 and 3.94 %. In impacts that yield Z is right within 5 % up to 100 yield velocities and rises
-as (V/V_Y)^0.07 beyond; the energy is right within 12 %. Law "auto" simulates it, others only if the scene asks for it.
+Waves take β/(ρ c_T³) ∫Ḟ² dt, by the lag Ḟ β/(ρ c_T³) of the surface behind its static deflection (Lamb's problem);
+Zener's impedance Z takes ∫F² dt/Z: as much for an elastic impact of the contact time t_c if Z = 0.0878 t_c² ρ c_T³/β.
+Finite elements of a rigid ball of steel's density on steel lose 1.54 and 4.00 % at 1 and 5 m/s, this 1.52 and 3.94 %.
+In impacts that yield Z is right within 5 % up to 100 yield velocities and rises as (V/V_Y)^0.07 beyond; the energy is
+right within 12 %. Law "auto" simulates it, others only if the scene asks for it.
 
-A warning comes beyond 15 % of the energy, where terms of second order matter. Later contacts at V' lose an energy that
-is wrong by the factor (V'/V)^{2/5}. Not simulated where the weight exceeds a tenth of the largest elastic force: a
-lasting force would move the target at F/Z, which a half-space does not do.
+A warning comes beyond 15 % of the energy. Later contacts at V' lose an energy wrong by the factor (V'/V)^{2/5}. Not
+simulated where the weight exceeds a tenth of the largest elastic force: it would move the target at F/Z.
 """
 
 from __future__ import annotations

@@ -67,9 +67,8 @@ class Tabulated(AbstractLaw):
     """F(δ) through given points, by monotone cubic interpolation (Fritsch & Carlson 1980).
 
     indentation, m, from 0 on, increasing; force, N, ≥ 0, not decreasing. In a scene both lists, or `file`: a CSV table
-    with the heading "indentation (um), force (N)". Of more than 60 points 60 are interpolated, added where the
-    deviation is largest; a run reports the largest one left. A larger indentation than the last is an error. In a scene
-    it unloads by Brake's rule (reversibly: unloading = "retrace").
+    with the heading "indentation (um), force (N)". Of more points 60 are interpolated, added where the deviation is
+    largest; a run reports what remains. In a scene it unloads by Brake's rule (reversibly: unloading = "retrace").
     """
 
     name: ClassVar[str] = "tabulated"

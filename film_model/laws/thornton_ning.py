@@ -73,11 +73,11 @@ class ThorntonNing(AdhesiveLaw):
     Elastic up to p_y = 2 E a_y/(π R) − √(2 w E/(π a_y)), then F = F_y + π R p_y (δ − δ_y), a² = a_y² + R (δ − δ_y).
     Unloading from a, F is JKR's with R_p = 4 E a³/(3 (F + √(8π w E a³))) ≥ R, moved by the dent
     δ_p = δ_m − a²/R_p + √(2π w a/E): tension up to 1.5 π w R_p, and contact ends at δ_p − 2.0801 δ_s (R_p/R)^{1/3},
-    where δ_s is JKR's. Without yield it is jkr, without adhesion thornton. Slow balls stick.
+    where δ_s is JKR's. Slow balls stick.
 
-    yield_pressure p_y, Pa, as thornton's; work_of_adhesion w, J/m², of both surfaces together, with p_y π R/(2 E a_c)
-    above 1.06, so that the sphere does not yield by adhesion alone. For long-ranged attraction (dmt) take thornton:
-    adhesion then takes no energy.
+    yield_pressure p_y, Pa, as thornton's; work_of_adhesion w, J/m², of both surfaces, with p_y π R/(2 E a_c) above
+    1.06, so that the sphere does not yield by adhesion alone. Under long-ranged attraction (dmt) adhesion takes no
+    energy: thornton.
     """
 
     name: ClassVar[str] = "thornton-ning"

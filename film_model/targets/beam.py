@@ -184,8 +184,8 @@ class Beam(AbstractTarget):
     def thickness_effect(self, impact: Impact) -> Estimate:
         """The energy ½ c F² of shear deformation over the impact energy, if the theory neglects it.
 
-        c is Timoshenko's static compliance less Euler and Bernoulli's; of a wide beam that around the load of a plate
-        is added, ℓ = w/(2π). If contact is lost and comes back, an effect below the tolerance is not judged.
+        c is Timoshenko's static compliance less Euler and Bernoulli's; of a wide beam with that around the load of a
+        plate, ℓ = w/(2π). If contact comes back, an effect below the tolerance is not judged.
         """
         if self.sheared:
             return no_effect("Timoshenko's theory includes shear and rotary inertia")

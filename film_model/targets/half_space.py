@@ -66,7 +66,7 @@ class HalfSpace(AbstractTarget):
 
     def wave_losses(self, impact: Impact) -> Estimate:
         """Energy of the waves radiated into the half-space (`radiated_energy`), over the impact energy: as V^{3/5}
-        without weight. Where a weight adds to it so that nothing is left, the ball stays."""
+        without weight. Where a weight leaves nothing, the ball stays."""
         if self.material is None:
             return missing("target.material")
         share = radiated_energy(self.material, impact) / impact.energy

@@ -344,11 +344,8 @@ class Plate(AbstractTarget):
         return Estimate("the energy of shear deformation is neglected", slender, None, size, indicator="h/L")
 
     def wave_losses(self, impact: Impact) -> Estimate:
-        """The energy of waves that the bending waves of the plate lack.
-
-        A contact shorter than 2h/c_L radiates as into a half-space; beyond 10 h/c_T bending waves take all. Between, a
-        quarter of what a half-space takes, or what it takes more than bending and shear.
-        """
+        """A contact shorter than 2h/c_L radiates as into a half-space; beyond 10 h/c_T bending waves take all. Between,
+        a quarter of what a half-space takes, or what it takes more than bending and shear."""
         if self.thickness is None or (material := self.material) is None:
             return Estimate("the thickness or the waves of a plate of layers, or of given stiffness, are not known")
         if impact.duration >= bending_time(material, self.thickness):

@@ -74,6 +74,14 @@ class Report:
         """Whether there are no problems and all differences are allowed."""
         return not self.problems and all(finding.good for finding in self.findings)
 
+    def largest(self) -> list[Finding]:
+        """The findings that are not good, and of each run the one that comes closest to what is allowed."""
+        runs: dict[str, list[Finding]] = {}
+        for finding in self.findings:
+            runs.setdefault(finding.what.partition(": ")[0], []).append(finding)
+        shown = ([one for one in run if not one.good] or [max(run, key=Finding.share)] for run in runs.values())
+        return [finding for run in shown for finding in run]
+
     def to_dict(self) -> dict[str, Any]:
         """Plain values."""
         rows = [

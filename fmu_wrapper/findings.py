@@ -21,3 +21,7 @@ class Finding:
     def good(self) -> bool:
         """Whether the difference is allowed."""
         return self.difference <= self.allowed
+
+    def share(self) -> float:
+        """The difference over what is allowed; 0 where there is none. For findings that are good."""
+        return self.difference / self.allowed if self.difference else 0.0

@@ -352,6 +352,7 @@ def test_one_material_with_its_sources(capsys):
             'impact.fmu: is an FMU: "film-model check-fmu" reads it; a scene or a sweep (TOML) is needed',
         ),
         ("check", "impact.fmu", 'impact.fmu: is an FMU: "film-model check-fmu" reads it'),
+        ("check", "empty.nc", "empty.nc: is empty"),
         (
             "plot",
             "scene.toml",
@@ -361,7 +362,7 @@ def test_one_material_with_its_sources(capsys):
 )
 def test_a_file_of_another_kind_is_named(command, file, said, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
-    (tmp_path / file).write_text("velocity\n", "utf-8")
+    (tmp_path / file).write_text("velocity\n" * (file != "empty.nc"), "utf-8")
     options = {"plot": ["--quantity", "y"], "check": []}.get(command, ["--output", "y.nc"])
     assert main([command, file, *options]) in (2, 3)
     assert capsys.readouterr().err.startswith(said)

@@ -782,6 +782,9 @@ def test_command_line(capsys, tmp_path, monkeypatch):
     assert main(["check-fmu", "impact.fmu"]) == 0
     said = capsys.readouterr().out
     assert "impact.fmu: passed" in said and "differs" not in said
+    assert said.count("agrees") < 16 and "Model Exchange: " in said
+    assert main(["check-fmu", "impact.fmu", "--verbose"]) == 0
+    assert capsys.readouterr().out.count("agrees") > 40
     assert main(["check-fmu", "impact.fmu", "--json"]) == 0
     report = json.loads(capsys.readouterr().out)
     assert report["good"] and len(report["findings"]) > 40

@@ -28,6 +28,8 @@ def check_hdf5(source: str | os.PathLike[str]) -> None:
     other = NO_DATASETS.get(os.path.splitext(source)[1].lower())
     if other:
         raise ValueError(other)
+    if os.path.getsize(source) == 0:
+        raise ValueError("is empty")
     try:
         if not h5py.is_hdf5(source):
             return  # classic netCDF, or for the netCDF library to refuse

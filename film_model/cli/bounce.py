@@ -39,8 +39,8 @@ def bounce(options: argparse.Namespace) -> int:
 
 def _table(done: Bounces, most: int) -> str:
     count = len(done.bounces)
-    waves = f", with waves in the {done.scene.target.kind}" if done.scene.effects.wave_losses is True else ""
-    lines = [done.scene.title or "Bounces", f"law {done.law}{waves}; {done.outcome}", ""]
+    waves = f" and waves in the {done.scene.target.kind}" if done.scene.effects.wave_losses is True else ""
+    lines = [done.scene.title or "Bounces", f"law {done.law}, with the weight{waves}; {done.outcome}", ""]
     heads = ["time", "velocity", "rebound", "height", "force", "dent"]
     if done.scene.contact.friction is not None:
         heads += ["along", f"{'spin':>18}"]

@@ -41,6 +41,7 @@ def add_commands(named: Any) -> None:
 
     parser = named.add_parser("check-fmu", help="validate an FMU and compare its runs with the library's")
     parser.add_argument("fmu", help="FMU written by export-fmu")
+    parser.add_argument("--verbose", action="store_true", help="print every comparison, not one of each run")
     add_json(parser)
     parser.set_defaults(command=check_fmu)
 
@@ -115,7 +116,7 @@ def check_fmu(options: argparse.Namespace) -> int:
         for problem in report.problems:
             print(f"error      {problem}")
         print(f"{'result':10} {'comparison with the library':48} {'error':>8}  allowed")
-        for finding in report.findings:
+        for finding in report.findings if options.verbose else report.largest():
             word = "agrees" if finding.good else "differs"
             where = "" if finding.good else f"  at {finding.where}"
             print(f"{word:10} {finding.what:48} {finding.difference:8.1e}  {finding.allowed:7.0e}{where}")

@@ -80,7 +80,7 @@ def stretching(
     _, less = _bent(energy, compliance, loose * quartic)
     change = (force - without) / max(without, impact.force)
     reason = (
-        f"linear theory bends it by {linear / thickness:.2g} thicknesses with {without:.4g} N; with membrane "
+        f"as a spring it bends by {linear / thickness:.2g} thicknesses with {without:.4g} N; with membrane "
         f"stiffness it would be {deflection / thickness:.2g} thicknesses with about {force:.4g} N between immovable "
         f"edges, {less:.4g} N if they move inwards"
     )

@@ -125,7 +125,7 @@ def test_a_page_of_cases(capsys, tmp_path):
     text = page.read_text("utf-8")
     assert "4 of 4 cases passed" in text and text.count("\n|  | damping ratio") == 3
     heads, rule, *rows = [line for line in text.splitlines() if line.startswith("|")]
-    assert len(rows) == 4 and {line.count("|") for line in (heads, rule, *rows)} == {8}
+    assert len(rows) == 4 and {line.count("|") for line in (heads, rule, *rows)} == {9}
     assert main(arguments) == 3 and "use --force" in capsys.readouterr().err
     bad = hard_cases.Report(
         HardCase("x | y", "why", lambda: hard_cases.Finding("", 0.0)), hard_cases.Finding("off", 1.0), 0.0, {}

@@ -79,8 +79,9 @@ below.
 {families}
 
 Nearly all are rebounds and dents of Leeb hardness testers, small balls of tungsten carbide or diamond at 1.3 to 3 m/s
-on steel; {conversions} are conversions of hardness or tensile strength. Neighbours in one table are not independent.
-There are no complete rows of force, duration, polymers, ice or adhesion, and {mild} of steels below {soft_steel:.0f} HV.
+on steel; {conversions} are conversions of hardness or tensile strength. Neighbours in one table are not independent,
+nor are tables of conversions that go back to one manufacturer. There are no complete rows of force, duration,
+polymers, ice or adhesion, none of a metal other than steel, and {mild} of steels below {soft_steel:.0f} HV.
 "Outside" counts rows beyond the range that the law names.
 
 Rules of the comparison:

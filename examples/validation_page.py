@@ -54,6 +54,9 @@ DOCS = Path(__file__).parent.parent / "docs"
 CHOOSING = DOCS / "understand" / "choosing_a_law.md"
 OBLIQUE = Path(__file__).parent / "measurements" / "alumina_on_glass.toml"
 
+SOFT = 200.0
+"""Vickers hardness below which a steel counts as soft."""
+
 CLOSE = 0.01
 """Difference within which a tangential restitution counts as met."""
 
@@ -76,8 +79,9 @@ below.
 {families}
 
 Nearly all are rebounds and dents of Leeb hardness testers, small balls of tungsten carbide or diamond at 1.3 to 3 m/s
-on steel; {conversions} are conversions of hardness or tensile strength. Neighbours in one table are not independent.
-There are no complete rows of force, duration, polymers, ice or adhesion, and only one of a steel below 200 HV.
+on steel; {conversions} are conversions of hardness or tensile strength. Neighbours in one table are not independent,
+nor are tables of conversions that go back to one manufacturer. There are no complete rows of force, duration,
+polymers, ice or adhesion, none of a metal other than steel, and {mild} of steels below {soft_steel:.0f} HV.
 "Outside" counts rows beyond the range that the law names.
 
 Rules of the comparison:
@@ -334,6 +338,8 @@ def page() -> tuple[str, list[LawReport]]:
         complete_sources=len({row.source for row in usable}),
         held_out=sum(row.held_out for row in usable),
         conversions=sum(row.sureness == "conversion" for row in usable),
+        mild=sum((row.hardness or math.inf) < SOFT for row in usable),
+        soft_steel=SOFT,
         families=family_rows(found),
         flows=flows,
         unraised=", ".join(f"`{name}`" for name in TESTED if name != AUTO and not has_strength(name)),

@@ -53,6 +53,9 @@ DOCS = Path(__file__).parent.parent / "docs"
 CHOOSING = DOCS / "understand" / "choosing_a_law.md"
 OBLIQUE = Path(__file__).parent / "measurements" / "alumina_on_glass.toml"
 
+SOFT = 200.0
+"""Vickers hardness below which a steel counts as soft."""
+
 CLOSE = 0.01
 """Difference within which a tangential restitution counts as met."""
 
@@ -73,8 +76,9 @@ held out: never used to choose or fit a law, nor for the intervals below.
 {families}
 
 Nearly all are rebounds and dents of Leeb hardness testers, balls of tungsten carbide or diamond at 1.3 to 3 m/s on
-steel; {conversions} are conversions of hardness or tensile strength. None are of force, duration, polymers, ice or
-adhesion, one is of a steel below 200 HV. "Outside" counts rows beyond the range that the law names.
+steel; {conversions} are conversions of hardness or tensile strength. Neighbours in one table are not independent, nor
+are conversions that go back to one manufacturer. None are of force, duration, polymers, ice, adhesion or another metal;
+{mild} of steels below {soft_steel:.0f} HV. "Outside" counts rows beyond the range that the law names.
 
 - The flow strength is H/2.8 with H = 9.80665 HV/0.927 MPa.
 - A steel has the strain rate coefficient of Johnson & Cook (1983) of the steel whose flow stress A + B 0.08^n,
@@ -317,6 +321,8 @@ def page() -> tuple[str, list[LawReport]]:
         complete_sources=len({row.source for row in usable}),
         held_out=sum(row.held_out for row in usable),
         conversions=sum(row.sureness == "conversion" for row in usable),
+        mild=sum((row.hardness or math.inf) < SOFT for row in usable),
+        soft_steel=SOFT,
         families=family_rows(found),
         flows=flows,
         unraised=", ".join(f"`{name}`" for name in TESTED if name != AUTO and not has_strength(name)),

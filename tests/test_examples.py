@@ -330,6 +330,7 @@ def test_model_intervals(tmp_path):
     assert path.read_text("utf-8") == Path(model_intervals.STORED).read_text("utf-8")
 
 
+@pytest.mark.slow
 def test_validation_page(tmp_path):
     page, picture, choosing = example("validation_page").main(tmp_path)
     assert choosing.read_text("utf-8") == (EXAMPLES.parent / "docs" / "understand" / choosing.name).read_text("utf-8")
@@ -367,6 +368,7 @@ def test_friction_table(tmp_path):
     assert made == pytest.approx(stored, abs=1e-9)  # but for rounding of a linear solver
 
 
+@pytest.mark.slow
 def test_oblique_page(tmp_path):
     page, picture = example("oblique_page").main(tmp_path)
     assert page.read_text("utf-8") == (EXAMPLES.parent / "docs" / "oblique.md").read_text("utf-8")

@@ -78,6 +78,7 @@ def ends(text: str, monkeypatch: pytest.MonkeyPatch) -> None:
     assert sum(works) <= 2 * modal.MOST_WORK and len(works) < 20, text
 
 
+@pytest.mark.slow
 def test_extreme_scenes_end_in_a_result_or_a_sentence(monkeypatch: pytest.MonkeyPatch) -> None:
     assert len(SCENES) + len(EXTREMES) >= 100
     for text in (text for text in EXTREMES if not text.startswith(ONCE_SLOW)):

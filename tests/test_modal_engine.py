@@ -337,6 +337,7 @@ def test_a_damped_law_on_a_structure_with_an_omitted_compliance(tmp_path, third,
     assert found.summary["maximum_force"] == pytest.approx(soft, rel=5e-3)  # the spring is softer than the contact
 
 
+@pytest.mark.slow
 def test_the_estimate_sees_the_error_of_the_static_compliance(monkeypatch):
     """The summary with a static compliance that is off by its bound; a plate struck beside a clamped edge."""
     plate = fm.Plate(ALUMINIUM, "3 mm", size=["200 mm", "120 mm"], edges="clamped", position=["30 mm", "4 mm"])

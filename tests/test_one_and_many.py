@@ -440,6 +440,7 @@ def test_rows_of_a_sweep_over_any_number_agree_on_many_random_scenes(first):
         assert not (found := swept_disagreements(scene, seed)), (seed, found, scene.to_toml())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", [1390, 1496, 1625, 2040, 2270, 2385, 2991])
 def test_one_and_many_agree_where_rounding_or_chance_once_parted_them(seed):
     """1390, 2040: the weight's work is 1e5 times the impact's, and the estimates say what rounding leaves. 1496: two
@@ -448,6 +449,7 @@ def test_one_and_many_agree_where_rounding_or_chance_once_parted_them(seed):
     assert not disagreements(random_scene(seed))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", [12945, 14617, 40357, 35128, 5278])
 def test_one_many_and_steps_agree_where_rounding_or_a_tilt_decided(seed):
     """12945, 14617, 40357: a contact creeps out along a branch that ends at an angle, and never ends. 35128: a damped

@@ -305,6 +305,7 @@ def on_modes(target, law="hertz"):
     return fm.Scene(ball, target, fm.Contact(law), effects, fm.Solver(accuracy=1e-2))
 
 
+@pytest.mark.slow
 def test_a_study_on_modes_against_their_reference(monkeypatch):
     """A structure that moves as a whole, with damped vibrations: all methods converge to DOP853 at 1e-12."""
     monkeypatch.setattr(modal_methods, "BATCH", 4)

@@ -53,7 +53,8 @@ def slow_predictions(rows: Iterable[Row]) -> list[Prediction]:
 
 
 def residuals(found: Sequence[Prediction]) -> list[Residuals]:
-    """By family and quantity, of rows that are not held out; without a rate law, wide enough for the same with one."""
+    """By family and quantity, of rows that are not held out, with what is computed itself; without a rate law, wide
+    enough for the same with one."""
     used = [one for one in found if not one.row.held_out and one.value > 0.0]
     table: list[Residuals] = []
     for family in FAMILIES:
@@ -63,7 +64,7 @@ def residuals(found: Sequence[Prediction]) -> list[Residuals]:
             if rows:
                 low, high = central(sorted(math.log(one.row.value / one.value) for one in rows))
                 most = max(yield_velocities(scene_of(AUTO, one.row)) or 0.0 for one in rows)
-                ends = (round(low, DIGITS), round(high, DIGITS), round(most, 1))
+                ends = (min(round(low, DIGITS), 0.0), max(round(high, DIGITS), 0.0), round(most, 1))
                 table.append(Residuals(family, quantity, len(rows), *ends))
     known = by_family(table)
     fast = {slow: family for family, slow in SLOW.items()}

@@ -29,7 +29,7 @@ def thickness(case: Case, rule: Rule) -> Effect:
 
 
 def contact_width(case: Case, rule: Rule) -> Effect:
-    """Half-space laws need a contact that is narrow compared with the thickness."""
+    """A half-space law on a plate or beam."""
     return _by_target(case, case.scene.target.contact_width, rule)
 
 

@@ -35,6 +35,7 @@ def _draw(figure: Figure, motion: ChainMotion) -> None:
         panels, ("velocity", "contact_force"), ("velocity", "force"), ("body", "contact"), strict=True
     ):
         rows = values[name]
+        names = motion.chain.link_names if what == "contact" else [str(number + 1) for number in range(len(rows))]
         size, unit = prefixed_unit(rows, dimension)
         label = f"{dimension} ({unit})"
         if len(motion.values["body_mass"]) > FEW:
@@ -42,14 +43,17 @@ def _draw(figure: Figure, motion: ChainMotion) -> None:
             drawn = panel.pcolormesh(_edges(times) / second, edges, rows / size, cmap="viridis", rasterized=True)
             figure.colorbar(drawn, ax=panel, label=label)
             panel.set_ylabel(what)
+            for link in motion.chain.links:
+                if link.behind not in (None, link.front + 1):  # a branch begins; its contact has the number before
+                    panel.axhline(link.behind + (0.5 if what == "body" else -0.5), color="white", linewidth=1.0)
             continue
         for number, row in enumerate(rows):
-            panel.plot(times / second, row / size, color=COLOURS[number], label=f"{what} {number + 1}")
+            panel.plot(times / second, row / size, color=COLOURS[number % len(COLOURS)], label=f"{what} {names[number]}")
         panel.set_ylabel(label)
         panel.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), frameon=False)
     panels[-1].set_xlabel(f"time ({unit_of_time})")
     panels[-1].set_xlim(times[0] / second, times[-1] / second)
-    title = " ".join(motion.chain.title.split()) or f"Chain of {len(motion.values['mass'])} bodies"
+    title = " ".join(motion.chain.title.split()) or f"Chain of {len(motion.values['body_mass'])} bodies"
     panels[0].set_title(plain(title), fontsize=min(11.0, 600.0 / len(title)), fontweight="bold", loc="left")
 
 

@@ -126,6 +126,19 @@ class Chain(InUnits):
         return found
 
     @property
+    def branches(self) -> bool:
+        """Whether a body is behind another than the one before it."""
+        return any(link.behind is not None and link.front + 1 != link.behind for link in self.links)
+
+    @property
+    def link_names(self) -> list[str]:
+        """What tables and messages call each of `links`: its number; in a tree those of its bodies."""
+        links = self.links
+        if not self.branches:
+            return [str(number) for number in range(1, len(links) + 1)]
+        return [f"{x.front + 1}-{'target' if x.behind is None else x.behind + 1}" for x in links]
+
+    @property
     def directions(self) -> list[float]:
         """Angle of each body's line to that of the first, rad."""
         found = [0.0]

@@ -228,11 +228,11 @@ def simulate_chain_quietly(chain: Chain) -> ChainMotion:
     scales = _Scales.of(chain, contacts)
     run = _runner(chain, contacts, scales)
     fine, tolerance = run(FINEST), max(chain.accuracy * COARSER, FINEST * 10.0)
-    _raise_failure(fine, contacts, scales)
+    _raise_failure(chain, fine, contacts, scales)
     while (estimated := _difference(run(tolerance), fine)) > chain.accuracy and tolerance > FINEST * 10.0:
         tolerance = max(tolerance * CLOSER, FINEST * 10.0)
     values = _values(chain, fine, scales)
-    said = _warnings(contacts, values, estimated, chain.accuracy)
+    said = _warnings(chain, contacts, values, estimated)
     ended = "contact is open everywhere, and no neighbours approach"
     outcome = f"followed for {format_si(fine.time * scales.time, 'time', 5)}"
     return ChainMotion(
@@ -301,7 +301,7 @@ def _displacements(chain: Chain, indentation: Array, times: Array) -> Array:
     return part[:, None] * first - behind
 
 
-def _raise_failure(run: chaining.Run, contacts: list[ChainContact], scales: _Scales) -> None:
+def _raise_failure(chain: Chain, run: chaining.Run, contacts: list[ChainContact], scales: _Scales) -> None:
     if run.status >= 0:
         return
     at = format_si(run.time * scales.time, "time", 4)
@@ -309,7 +309,7 @@ def _raise_failure(run: chaining.Run, contacts: list[ChainContact], scales: _Sca
         why = f"the chain takes more than {chaining.MOST_STEPS} steps; at {at}: give a shorter duration"
         raise SimulationError(why)
     law, why = contacts[run.failed].law.name, STATUSES[run.status].sentence
-    raise SimulationError(f"contact {run.failed + 1}, law {law}: {why}; at {at}")
+    raise SimulationError(f"contact {chain.link_names[run.failed]}, law {law}: {why}; at {at}")
 
 
 def _difference(coarse: chaining.Run, fine: chaining.Run) -> float:
@@ -348,26 +348,26 @@ def _balance(chain: Chain, run: chaining.Run, scales: _Scales, values: dict[str,
 
 
 def _warnings(
-    contacts: list[ChainContact], values: dict[str, Array], estimated: float, accuracy: float
+    chain: Chain, contacts: list[ChainContact], values: dict[str, Array], estimated: float
 ) -> tuple[str, ...]:
     found = dict[str, None]()
-    for number, contact in enumerate(contacts, 1):
-        force, depth = (float(values[name][number - 1]) for name in ("largest_force", "largest_indentation"))
+    peaks = zip(*(values[name].tolist() for name in ("largest_force", "largest_indentation")), strict=True)
+    for name, contact, (force, depth) in zip(chain.link_names, contacts, peaks, strict=True):
         outside = contact.law.outside(depth / contact.length)
         found |= dict.fromkeys((*contact.curve.warnings, *contact.law.remarks()))
         if outside:
-            found[f"contact {number}: {outside}"] = None
+            found[f"contact {name}: {outside}"] = None
         scene, law = contact.scene, contact.law
         if getattr(law, "family", "") == "elastic" and scene.yield_strength and scene.effective_modulus:
             _, most = yield_point(scene.effective_modulus, scene.effective_radius, scene.yield_strength)
             if force > most and not any("yields above" in sentence for sentence in found):
                 found[
-                    f"contact {number} yields above {format_si(most, 'force', 3)}, its force reaches "
+                    f"contact {name} yields above {format_si(most, 'force', 3)}, its force reaches "
                     f"{format_si(force, 'force', 3)}: law {law.name} is elastic"
                 ] = None
-    if estimated > accuracy:
+    if estimated > chain.accuracy:
         found[
-            f"accuracy {accuracy:g} is not reached: estimated relative error {estimated:.1e}; collisions that follow "
+            f"accuracy {chain.accuracy:g} is not reached: estimated relative error {estimated:.1e}; collisions that follow "
             "each other amplify every error"
         ] = None
     return tuple(found)

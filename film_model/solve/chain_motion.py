@@ -37,6 +37,9 @@ COARSER, CLOSER = 0.01, 1e-3
 TOUCHING = 1e-9
 """Time in units of the run below which a contact begins at the start."""
 
+ENDED = "contact is open everywhere, and no neighbours approach"
+"""Outcome of a chain that is not followed for a duration."""
+
 BODIES: dict[str, tuple[str, str]] = {
     "body_mass": ("mass", "mass of the body"),
     "initial_velocity": ("velocity", "velocity at the start"),
@@ -126,12 +129,14 @@ class ChainMotion:
         return max(0.0, first - 0.05 * (last - first)), last
 
     def sample_si(self, times: Any) -> dict[str, Array]:
-        """Motion at ascending times [s] from 0 to the end, SI: displacement and velocity (bodies, times), indentation
-        and contact_force (contacts, times). It is computed anew, as exactly as the results.
+        """Motion at ascending times [s], SI: displacement and velocity (bodies, times), indentation and contact_force
+        (contacts, times). It is computed anew, as exactly as the results. Times after the end are allowed where bodies
+        then fly on for ever: without weight, and if the duration is not what ended the motion.
         """
         at = np.atleast_1d(np.asarray(times, np.float64))
-        if not (at[0] >= 0.0 and at[-1] <= self.end and (np.diff(at) >= 0.0).all()):
-            raise ValueError(f"times: must ascend from 0 s to the end, {self.end:g} s")
+        last = math.inf if self.outcome == ENDED and not self.chain.gravity else self.end
+        if not (at[0] >= 0.0 and at[-1] <= last and (np.diff(at) >= 0.0).all()):
+            raise ValueError(f"times: must ascend from 0 s to the end, {last:g} s")
         contacts = contacts_of(self.chain)
         scales, count = _Scales.of(self.chain, contacts), len(contacts)
         samples = _runner(self.chain, contacts, scales)(FINEST, at / scales.time).samples.T
@@ -233,13 +238,14 @@ def simulate_chain_quietly(chain: Chain) -> ChainMotion:
         tolerance = max(tolerance * CLOSER, FINEST * 10.0)
     values = _values(chain, fine, scales)
     said = _warnings(chain, contacts, values, estimated)
-    ended = "contact is open everywhere, and no neighbours approach"
-    outcome = f"followed for {format_si(fine.time * scales.time, 'time', 5)}"
+    over = chain.duration is None or fine.status == native.EVENT
+    end = fine.time * scales.time if over else chain.duration
+    outcome = f"followed for {format_si(end, 'time', 5)}"
     return ChainMotion(
         chain=chain,
         laws=tuple(contact.law.name for contact in contacts),
-        outcome=ended if fine.status == native.EVENT else outcome,
-        end=fine.time * scales.time,
+        outcome=ENDED if fine.status == native.EVENT else outcome,
+        end=end,
         values=values,
         counts=tuple(fine.contacts["count"].tolist()),
         energy=_balance(chain, fine, scales, values),

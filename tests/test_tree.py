@@ -193,19 +193,19 @@ def test_a_tree_is_written_and_read_again(tmp_path, monkeypatch, capsys):
     assert repr(chain) == "Chain(9 bodies with 2 ends; law meyer)"
     monkeypatch.chdir(tmp_path)
     (tmp_path / "fork.toml").write_text(FILE, encoding="utf-8")
-    assert main("run fork.toml --json --output fork.nc --plot fork.png".split()) == 0
+    assert main(["run", "fork.toml", "--json", "--output", "fork.nc", "--plot", "fork.png"]) == 0
     found = json.loads(capsys.readouterr().out)["contacts"]
     assert [(row["front"], row["behind"]) for row in found] == [
         *[(1, 2), (2, 3), (3, 4), (4, 5), (5, 6)],
         *[(3, 7), (7, 8), (8, 9)],
     ]
-    assert main("run fork.toml".split()) == 0 and "\n  3-7 " in capsys.readouterr().out
-    assert main("check fork.nc".split()) == 0
+    assert main(["run", "fork.toml"]) == 0 and "\n  3-7 " in capsys.readouterr().out
+    assert main(["check", "fork.nc"]) == 0
     ds = fd.open("fork.nc")
     assert ds.contact_front.values.tolist() == [1, 2, 3, 4, 5, 3, 7, 8] and ds.contact_behind.values[5] == 7
-    assert main("plot fork.nc --output again.png".split()) == 0
+    assert main(["plot", "fork.nc", "--output", "again.png"]) == 0
     assert (tmp_path / "again.png").read_bytes() == (tmp_path / "fork.png").read_bytes()
-    assert main("run fork.toml --output fork.csv".split()) == 0
+    assert main(["run", "fork.toml", "--output", "fork.csv"]) == 0
     assert "contact_force_8 [N]" in (tmp_path / "fork.csv").read_text(encoding="utf-8").splitlines()[0]
 
 

@@ -143,8 +143,8 @@ def csv_rows(path: str | os.PathLike[str], columns: Mapping[str, str] | None = N
 
 
 def values_of(rows: Rows, known: Mapping[str, Variable]) -> dict[str, np.ndarray]:
-    """The numbers of each column, SI. known: the variables that columns may have; the first is needed. Raises SceneError
-    for wrong columns, units and cells, and a time that does not increase."""
+    """The numbers of each column, SI. known: the variables that columns may have, of which the first is needed. Raises
+    SceneError for wrong columns, units and cells, and a time that does not increase."""
     names = [_variable(heading) for heading in rows.headings]
     units = _columns(rows.name, rows.head, rows.headings, names, known)
     values = numbers(rows.name, rows.body, names, units)

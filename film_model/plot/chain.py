@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from itertools import cycle
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -35,7 +36,7 @@ def _draw(figure: Figure, motion: ChainMotion) -> None:
         panels, ("velocity", "contact_force"), ("velocity", "force"), ("body", "contact"), strict=True
     ):
         rows = values[name]
-        names = motion.chain.link_names if what == "contact" else [str(number + 1) for number in range(len(rows))]
+        names = motion.chain.link_names if what == "contact" else range(1, len(rows) + 1)
         size, unit = prefixed_unit(rows, dimension)
         label = f"{dimension} ({unit})"
         if len(motion.values["body_mass"]) > FEW:
@@ -47,8 +48,8 @@ def _draw(figure: Figure, motion: ChainMotion) -> None:
                 if link.behind not in (None, link.front + 1):  # a branch begins; its contact has the number before
                     panel.axhline(link.behind + (0.5 if what == "body" else -0.5), color="white", linewidth=1.0)
             continue
-        for number, row in enumerate(rows):
-            panel.plot(times / second, row / size, color=COLOURS[number % len(COLOURS)], label=f"{what} {names[number]}")
+        for number, row, colour in zip(names, rows, cycle(COLOURS), strict=False):
+            panel.plot(times / second, row / size, color=colour, label=f"{what} {number}")
         panel.set_ylabel(label)
         panel.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), frameon=False)
     panels[-1].set_xlabel(f"time ({unit_of_time})")

@@ -206,9 +206,9 @@ def simulate_chain(chain: Chain) -> ChainMotion:
     The equations of motion are integrated by DOP853 (order 8) with a step that ends where a contact begins, turns,
     changes its stage or ends. `accuracy` is met by comparison with a run of a coarser tolerance. Momentum is kept to
     rounding, and the energy of elastic chains to 1e-12. Effects that `simulate` decides (waves, rate hardening,
-    vibrations of the half-space, viscosity) are not simulated. Bodies are spheres, each of which moves along its line, as
-    in a frictionless guide: of the force at a bend the body in front takes the part along its own line, and its guide the
-    rest. Ways while bodies touch are short beside their radii.
+    vibrations of the half-space, viscosity) are not simulated. Bodies are spheres, each of which moves along its line,
+    as in a frictionless guide: of the force at a bend the body in front takes the part along its own line, and its
+    guide the rest. Ways while bodies touch are short beside their radii.
 
     >>> small, large = ({"radius": size, "material": "acrylic"} for size in ("5 mm", "20 mm"))
     >>> dropped = fm.Chain([small, {**large, "gap": "1 cm"}], "hertz", fm.HalfSpace("mild steel"), gravity=True)
@@ -238,8 +238,9 @@ def simulate_chain_quietly(chain: Chain) -> ChainMotion:
         tolerance = max(tolerance * CLOSER, FINEST * 10.0)
     values = _values(chain, fine, scales)
     said = _warnings(chain, contacts, values, estimated)
-    over = chain.duration is None or fine.status == native.EVENT
-    end = fine.time * scales.time if over else chain.duration
+    end = fine.time * scales.time
+    if chain.duration is not None and fine.status != native.EVENT:
+        end = chain.duration  # to the last bit
     outcome = f"followed for {format_si(end, 'time', 5)}"
     return ChainMotion(
         chain=chain,
@@ -373,7 +374,7 @@ def _warnings(
                 ] = None
     if estimated > chain.accuracy:
         found[
-            f"accuracy {chain.accuracy:g} is not reached: estimated relative error {estimated:.1e}; collisions that follow "
-            "each other amplify every error"
+            f"accuracy {chain.accuracy:g} is not reached: estimated relative error {estimated:.1e}; collisions that "
+            "follow each other amplify every error"
         ] = None
     return tuple(found)

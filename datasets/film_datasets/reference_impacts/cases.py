@@ -163,8 +163,8 @@ def _bouncing() -> Iterator[Case]:
 
 
 def _chains() -> Iterator[Case]:
-    """Newton's cradle of three, whose balls touch or not, a ball that strikes a fork, and a small ball on a large one that
-    hit the ground."""
+    """Newton's cradle of three, whose balls touch or not, a ball that strikes a fork, and a small ball on a large one
+    that hit the ground."""
     ball = {"radius": "0.01 m", "mass": f"{STEEL_BALL.mass!r} kg", "material": STEEL}
     for speed, gap in ((0.1, 0.0), (0.4, 0.0), (0.4, 2e-6)):
         balls = [{**ball, "velocity": _si(speed), "gap": f"{gap!r} m"}, {**ball, "gap": f"{gap!r} m"}, ball]
@@ -180,8 +180,8 @@ def _chain(name: str, table: Mapping[str, Any]) -> Case:
 
 
 def _published() -> Iterator[Case]:
-    """Chung & Ooi 2011, Granular Matter 13:643: tests 1 and 2; 3 with Tsuji's damping; 4 (Kharaz, Gorham & Salman 2001) to
-    8 undamped."""
+    """Chung & Ooi 2011, Granular Matter 13:643: tests 1 and 2; 3 with Tsuji's damping; 4 (Kharaz, Gorham & Salman 2001)
+    to 8 undamped."""
     for (name, *values), test in zip(_CHUNG_OOI, (1, 1, 2, 2), strict=True):
         modulus, ratio, density, radius, speed = values
         own = {"youngs_modulus": f"{modulus!r} Pa", "poissons_ratio": ratio, "density": f"{density!r} kg/m^3"}

@@ -118,10 +118,7 @@ def _score_of_chain(file: Path, case: Case) -> Score:
     motion = simulate_chain_quietly(chain_of(case))
     sizes = {"body": len(motion.chain.row), "contact": len(motion.chain.links)}
     known = {"t": next(v for v in TABLE[CHAIN] if v.name == "t")} | {
-        f"{v.name}_{number}": v
-        for v in TABLE[CHAIN]
-        if len(v.dims) == 2
-        for number in range(1, sizes[v.dims[0]] + 1)
+        f"{v.name}_{number}": v for v in TABLE[CHAIN] if len(v.dims) == 2 for number in range(1, sizes[v.dims[0]] + 1)
     }
     values = values_of(csv_rows(file), known)
     times = values.pop("t")

@@ -51,7 +51,8 @@ balls in a row and a fork. Each is a folder of plain files: `case.toml`, the sce
 `reference.csv`, the motion; and `summary.json`, its results with up to 10 certified digits, an error bound, and the
 difference to a second computation by another method. `README.md` in the folder explains the files,
 `summary.schema.json` describes the last, and `SHA256SUMS` holds their hashes: the command writes the same bytes in
-every run, with any number of `--workers`. The licence is CC0. It takes about half a minute; `--cases NAMES` writes some.
+every run, with any number of `--workers`. The licence is CC0. It takes about half a minute; `--cases NAMES` writes
+some.
 
 ```console
 $ film-model reference-impacts --output impacts --workers 2

@@ -118,7 +118,7 @@ def arm_root(folder: Path) -> Path | None:
     options += ["APT::Sandbox::User=root", "Dir::Cache::pkgcache=", "Dir::Cache::srcpkgcache="]
     apt = ["apt-get", *(word for option in options for word in ("-o", option))]
     run(*apt, "update")
-    run(*apt, "install", "-y", "--download-only", "python3", "musl")
+    run(*apt, "install", "-y", "--download-only", "python3", "libstdc++6", "musl")
     for package in sorted((folder / "archives").glob("*.deb")):
         run("dpkg", "-x", package, folder / "root")
     return folder / "root"

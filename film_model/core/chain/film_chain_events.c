@@ -108,8 +108,8 @@ static double first_event(const film_chain_now *c, double w) {
     return first;
 }
 
-/* The motion between the ends of an interval in which the event is comes from a polynomial: its error falls with the third power
- * of the distance from an end, so that two steps are mostly enough. Halving makes sure of the others. */
+/* Between the ends of an interval that holds the event, the motion comes from a polynomial, whose error falls with the third
+ * power of the distance from an end: two steps are mostly enough. Halving makes sure of the others. */
 double film_chain_event(const film_chain_now *c, double h) {
     double low = 0.0, high = h;
     size_t size = (size_t)c->m * sizeof(film_approach);
@@ -191,7 +191,8 @@ int film_chain_switch(film_chain_now *c, int32_t *failed, double *h) {
         }
         c->known = 0;
         int free = !film_touching(c, k), status = switch_contact(c, k);
-        if (free && film_touching(c, k)) *h = fmin(*h, BEGIN * pow(c->of->tolerance, 0.4) * pow(fabs(film_rate(c, c->y, k)), -0.6));
+        if (free && film_touching(c, k))
+            *h = fmin(*h, BEGIN * pow(c->of->tolerance, 0.4) * pow(fabs(film_rate(c, c->y, k)), -0.6));
         *failed = k;
         if (status < 0) return status;
     }

@@ -35,7 +35,7 @@ SOURCES = (
     *platforms.RELAXING,
     *platforms.core("oblique", "friction", "friction_step", "friction_many", "radii"),
     *platforms.SLIDING,
-    *platforms.core("chain", "chain"),
+    *platforms.core("chain", "chain", "chain_step", "chain_events"),
 )
 LIBRARY = f"{CORE}/_film_core" + Path(platforms.built_library()).suffix
 FLAGS = platforms.FLAGS

@@ -2,14 +2,15 @@
 
 Into the folder go the sources, a wheel for each system of `hatch_build.TARGETS`, all compiled here by zig, a bill of
 materials (CycloneDX), a conda recipe and the checksums. The libraries in each wheel are checked: processor, exported
-functions, oldest system; on Linux by auditwheel too. Where this machine runs them (apt-get install musl qemu-user
-libc6-arm64-cross wine) the core of the wheel passes tests/core_check.c. Each CPython on PATH installs this system's
-wheel in a new environment and runs a scene.
+functions, oldest system; on Linux by auditwheel too. Where this machine runs them (apt-get install musl qemu-user wine)
+the core of the wheel passes tests/core_check.c. Each CPython on PATH installs this system's wheel in a new environment
+and runs a scene, and so does Debian's Python for ARM in QEMU.
 """
 
 import argparse
 import hashlib
 import os
+import platform
 import re
 import shutil
 import subprocess
@@ -32,12 +33,11 @@ PYTHONS = ("python3.11", "python3.12", "python3.13", "python3.14")
 OWN = (hatch_build.LIBRARY, platforms.built_library())
 SCENE = ROOT / "examples" / "scenes" / "steel_ball_on_steel.toml"
 RUNNERS = {  # by target: what runs its programs here, and a file that must be there
-    "x86_64-linux-gnu.2.17": ([], "/lib64/ld-linux-x86-64.so.2"),
-    "aarch64-linux-gnu.2.17": (["qemu-aarch64", "-L", "/usr/aarch64-linux-gnu"], "/usr/aarch64-linux-gnu"),
-    "x86_64-linux-musl": ([], "/lib/ld-musl-x86_64.so.1"),
-    "aarch64-linux-musl": (["qemu-aarch64"], "/lib/ld-musl-aarch64.so.1"),
-    "x86_64-windows-gnu": (["wine"], "/usr/bin/wine"),
+    "x86_64-linux-gnu.2.17": ((), "/lib64/ld-linux-x86-64.so.2"),
+    "x86_64-linux-musl": ((), "/lib/ld-musl-x86_64.so.1"),
+    "x86_64-windows-gnu": (("wine",), "/usr/bin/wine"),
 }
+QEMU = "qemu-aarch64"
 RENDER = """
 import sys, rattler_build as r
 recipe, pins = r.Stage0Recipe.from_file(sys.argv[1]), {"c_stdlib": ["sysroot"], "m2w64_c_stdlib": ["m2w64-toolchain"]}
@@ -105,9 +105,46 @@ def check(library: Path, target: str, functions: set[str]) -> str:
     return f"{len(functions)} functions; needs {', '.join(sorted(one for one in needed if one[0] != '@'))}"
 
 
-def check_core(core: Path, target: str) -> str:
+def arm_root(folder: Path) -> Path | None:
+    """A folder with what Python and musl of Debian for ARM consist of; None on other systems and without QEMU."""
+    if not shutil.which(QEMU) or platform.freedesktop_os_release()["ID"] != "debian":
+        return None
+    for name in ("lists/partial", "archives/partial", "root"):
+        (folder / name).mkdir(parents=True)
+    (folder / "status").touch()  # nothing is installed
+    own = {"State::status": "status", "State::lists": "lists", "Cache::archives": "archives"}
+    options = [f"Dir::{key}={folder / name}" for key, name in own.items()]
+    options += ["APT::Architecture=arm64", "APT::Architectures=arm64", "APT::Install-Recommends=false"]
+    options += ["APT::Sandbox::User=root", "Dir::Cache::pkgcache=", "Dir::Cache::srcpkgcache="]
+    apt = ["apt-get", *(word for option in options for word in ("-o", option))]
+    run(*apt, "update")
+    run(*apt, "install", "-y", "--download-only", "python3", "libstdc++6", "musl")
+    for package in sorted((folder / "archives").glob("*.deb")):
+        run("dpkg", "-x", package, folder / "root")
+    return folder / "root"
+
+
+def try_on_arm(wheel: Path, root: Path, folder: Path) -> str:
+    """Install a wheel with its dependencies for Debian's Python for ARM, and run a scene."""
+    python = (QEMU, "-L", root, root / "usr/bin/python3")
+    version = run(*python, "-c", "import platform; print(platform.python_version())").strip()
+    tags = [f"--platform=manylinux_2_{glibc}_aarch64" for glibc in (17, 27, 28)]
+    place = ("--target", folder, "--only-binary=:all:", f"--python-version={version}", *tags)
+    run(sys.executable, "-m", "pip", "install", "-q", *place, f"{wheel}[plot]")
+    command = ("-m", "film_model", "run", SCENE, "--plot", folder / "impact.png")
+    return f"ARM, Python {version}: {largest_force(run(*python, *command, cwd=folder, PYTHONPATH=str(folder)))}"
+
+
+def largest_force(report: str) -> str:
+    """The line of a report that has it."""
+    return next(line for line in report.splitlines() if "maximum force" in line)
+
+
+def check_core(core: Path, target: str, arm: Path | None) -> str:
     """Run tests/core_check.c with a wheel's core, if this machine can; what it prints."""
-    before, there = RUNNERS.get(target, ([], ""))
+    before, there = RUNNERS.get(target, ((), ""))
+    if arm is not None and target.startswith("aarch64-linux"):
+        before, there = (QEMU, "-L", arm), arm
     if not there or not Path(there).exists():
         return "not tried here"
     program = core.with_name("core_check" + (".exe" if core.suffix == ".dll" else ""))
@@ -173,11 +210,14 @@ def main() -> None:
         for python in pythons:
             bin_ = environment(tmp / python, python, "--find-links", output, f"film-model[plot]=={__version__}")
             force = run(bin_ / "film-model", "run", SCENE, "--plot", tmp / "impact.png", "--force", cwd=tmp)
-            print(f"{python}: {next(line for line in force.splitlines() if 'maximum force' in line)}", flush=True)
+            print(f"{python}: {largest_force(force)}", flush=True)
         bill = output / f"film-model-{__version__}.cdx.json"
         run(tools / "cyclonedx-py", "environment", bin_ / "python", "--output-reproducible", "-o", bill)
+        if (arm := arm_root(tmp / "arm")) is not None:
+            wheel = output / f"film_model-{__version__}-py3-none-{hatch_build.TARGETS['aarch64-linux-gnu.2.17']}.whl"
+            print(try_on_arm(wheel, arm, tmp / "on_arm"), flush=True)
         for target, core in cores.items():
-            print(f"{target}: {check_core(core, target)}", flush=True)
+            print(f"{target}: {check_core(core, target, arm)}", flush=True)
     sums = [f"{hashlib.sha256(one.read_bytes()).hexdigest()}  {one.name}" for one in sorted(output.iterdir())]
     (output / "SHA256SUMS").write_text("\n".join(sums) + "\n", encoding="utf-8")
 

@@ -47,11 +47,12 @@ TEXT = """# Reference impacts
 `film-model reference-impacts --output DIR` writes an open suite of {count} impacts against which any code that
 simulates contact can be tested: under elastic, plastic, damped, adhesive and viscoelastic laws; on a half-space, a
 free body, a plate, a rod, a beam and a structure; oblique with friction and spin, under weight, bouncing, and of
-balls in a row. Each is a folder of plain files: `case.toml`, the scene in SI with explicit numbers; `reference.csv`,
-the motion; and `summary.json`, its results with up to 10 certified digits, an error bound, and the difference to a
-second computation by another method. `README.md` in the folder explains the files, `summary.schema.json` describes
-the last, and `SHA256SUMS` holds their hashes: the command writes the same bytes in every run, with any number of
-`--workers`. The licence is CC0. It takes about half a minute; `--cases NAMES` writes some.
+balls in a row and a fork. Each is a folder of plain files: `case.toml`, the scene in SI with explicit numbers;
+`reference.csv`, the motion; and `summary.json`, its results with up to 10 certified digits, an error bound, and the
+difference to a second computation by another method. `README.md` in the folder explains the files,
+`summary.schema.json` describes the last, and `SHA256SUMS` holds their hashes: the command writes the same bytes in
+every run, with any number of `--workers`. The licence is CC0. It takes about half a minute; `--cases NAMES` writes
+some.
 
 ```console
 $ film-model reference-impacts --output impacts --workers 2
@@ -75,7 +76,8 @@ it in every case (`tests/test_reference_impacts.py`). Both use the core's force 
 targets with edges, the number of vibrations that the first chooses. Histories on targets without edges are within 1e-9
 of the largest value of a column, measured up to the turn.
 
-Chung and Ooi's tests 1, 2, and 4 and 5 without damping along the surface are included.
+Chung and Ooi's tests are included: 1 and 2, 3 with Tsuji's damping, 4 to 8 elastic and with friction. In 5 to 8 both
+bodies are of one material; in 7 the contact points move alike, so that there is no friction.
 
 ## Scoring a code
 
@@ -93,7 +95,9 @@ time [us], contact_force [N], impactor_velocity [m/s]
 The exact motion is evaluated at the times of the file. The error of a column is its
 largest difference over the largest value of the reference; largest force and indentation, the duration (the last time
 with a force), the rebound (the last `impactor_velocity`) and the restitution (the last `relative_velocity`) are
-compared with the summary. `--json` prints the errors of all cases, `--plot` draws them. In Python:
+compared with the summary. The columns of a chain have the number of a body or contact (`velocity_2 [m/s]`,
+`contact_force_1 [N]`), and its errors are the largest of all bodies or contacts. `--json` prints the errors of all
+cases, `--plot` draws them. In Python:
 `film_datasets.score(path)`, `film_datasets.plot_scores(scores, "score.png")`, `film_datasets.write_suite(folder)`.
 
 ## Three engines

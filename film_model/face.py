@@ -7,7 +7,8 @@ import film_model.targets as targets
 from film_model.base.errors import ImpactWarning, Outcome, SceneError, SimulationError
 from film_model.base.materials import Material, material
 from film_model.scene import Contact, Effects, Scene, Solver, Sphere
-from film_model.scene.chain import Chain, ChainBody
+from film_model.scene.chain import Chain
+from film_model.scene.chain_body import ChainBody
 from film_model.solve.batch import BatchResult, simulate_batch
 from film_model.solve.bounce import Bounces, bounce
 from film_model.solve.chain_motion import ChainMotion, simulate_chain

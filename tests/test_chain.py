@@ -241,8 +241,13 @@ def test_samples_follow_the_motion():
         mass[0] * np.array([0.5, 0.0]) - np.array([1, -1]) * mass[[0, 2]] * sample["velocity"][[0, 2], -1], rel=1e-5
     )
     assert sample["contact_force"].max(axis=1) == pytest.approx(motion.largest_force.m, rel=1e-6)
-    with pytest.raises(ValueError, match="times: must ascend"):
-        motion.sample_si([2.0 * motion.end])
+    beyond = motion.sample_si([motion.end, 2.0 * motion.end])["displacement"]
+    assert np.diff(beyond)[:, 0] == pytest.approx(motion.final_velocity.m * motion.end, rel=1e-12)
+    short = fm.simulate_chain(fm.Chain(CRADLE, "hertz", duration="50 us"))
+    assert short.end == 5e-5
+    for wrong in ([6e-5], [-1e-6], [2e-5, 1e-5]):
+        with pytest.raises(ValueError, match="times: must ascend from 0 s to the end, 5e-05 s"):
+            short.sample_si(wrong)
 
 
 def test_coarse_accuracy_is_met_and_a_short_one_is_not_promised(monkeypatch):

@@ -127,7 +127,11 @@ def test_the_extra_all_names_extras_that_exist():
 
 def test_the_citation_is_of_this_version():
     citation = (ROOT / "CITATION.cff").read_text(encoding="utf-8")
-    assert re.search(r"^version: (.*)$", citation, re.MULTILINE)[1] == __version__
+    released = re.search(r'^version: (.*)\ndate-released: "(.*)"$', citation, re.MULTILINE).groups()
+    changelog = (ROOT / "CHANGELOG.md").read_text(encoding="utf-8")
+    assert released == re.search(r"^## \[([0-9.]+)\] - (\S+)$", changelog, re.MULTILINE).groups()
+    bibliography = (ROOT / "docs" / "paper" / "paper.bib").read_text(encoding="utf-8")
+    assert released[0] == __version__ == re.search(r"version = \{(.*)\}", bibliography)[1]
     assert "10.1177/0954406216628556" in citation
 
 

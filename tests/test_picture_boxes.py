@@ -44,6 +44,14 @@ FILES = {
         'material = "bearing steel"\nvelocity = "0.2 m/s"\n[target]\nmaterial = "granite"\n'
         for name, count in (("cradle", 4), ("row", 12))
     },
+    **{
+        f"{name}.toml": 'contact = { law = "hertz" }\n'
+        + "".join(
+            f'[[bodies]]\n{entry}\ncount = {count}\nradius = "10 mm"\nmaterial = "bearing steel"\n'
+            for entry in ('name = "stem"\nvelocity = "0.2 m/s"', 'behind = "stem"', 'behind = "stem"')
+        )
+        for name, count in (("fork", 2), ("tree", 8))
+    },
     "motions.csv": "time [us], a [m/s^2], b [g]\n"
     + "\n".join(f"{5 * k}, {min(k % 40, 15) * 9}, {-(k % 23)}" for k in range(100)),
     "force.csv": "time [us], contact_force [N]\n0, 0\n10, 50\n20, 90\n",
@@ -57,6 +65,8 @@ COMMANDS = {
     "strobe": "run slanted.toml --strobe picture.png",
     "chain": "run cradle.toml --plot picture.png",
     "chain of many": "run row.toml --plot picture.png",
+    "tree": "run fork.toml --plot picture.png",
+    "tree of many": "run tree.toml --plot picture.png",
     "bounce": "bounce slab.toml --plot picture.png",
     "spectrum": "spectrum sensed.toml --plot picture.png",
     "laws": "laws --plot picture.png",

@@ -14,7 +14,7 @@ from film_model.solve.chain_motion import ChainMotion
 if TYPE_CHECKING:
     import xarray as xr
 
-COMMENT = "Contact k is behind body k. t: even samples while forces act, or over the duration that was asked for."
+COMMENT = "t: even samples while forces act, or over the duration that was asked for."
 
 
 def chain_dataset(motion: ChainMotion, samples: int, command: str) -> xr.Dataset:
@@ -24,22 +24,24 @@ def chain_dataset(motion: ChainMotion, samples: int, command: str) -> xr.Dataset
     if samples < 2:
         raise ValueError(f"samples: {samples} must be at least 2")
     t = np.linspace(*motion.span, samples)
+    chain, links = motion.chain, motion.chain.links
     values = {
         **{
             "t": t,
             "body": np.arange(1, len(motion.values["body_mass"]) + 1),
-            "contact": np.arange(1, len(motion.laws) + 1),
+            "contact": np.arange(1, len(links) + 1),
+            "contact_front": [link.front + 1 for link in links],
+            "contact_behind": [0 if link.behind is None else link.behind + 1 for link in links],
         },
         **{**motion.values, "contact_law": np.array(motion.laws), "contact_count": np.array(motion.counts)},
         **motion.sample_si(t),
     }
     ds = xr.Dataset({v.name: (v.dims, np.asarray(values[v.name], v.dtype), v.attributes()) for v in TABLE[CHAIN]})
-    chain = motion.chain
     ds.attrs = {
         **provenance(
             CHAIN,
             title=chain.title or f"Chain of {ds.sizes['body']} bodies",
-            summary=f"{ds.sizes['body']} bodies in a row with {ds.sizes['contact']} contacts: {motion.outcome}.",
+            summary=f"{ds.sizes['body']} bodies with {ds.sizes['contact']} contacts: {motion.outcome}.",
             source=PROGRAM,
             command=command,
             comment=COMMENT,

@@ -95,20 +95,16 @@ def from_csv(path: str | os.PathLike[str], title: str = "", columns: Mapping[str
     >>> fd.from_csv("measured.csv").impactor_velocity.values
     array([0.2, 0.5, 1. ])
     """
-    name, text, head, headings, body = csv_rows(path, columns)
-    names = [_variable(heading) for heading in headings]
-    kind = "history" if "t" in names else "impacts"
+    rows = csv_rows(path, columns)
+    name, text, _, headings, body = rows
+    kind = "history" if "t" in map(_variable, headings) else "impacts"
     known = {variable.name: variable for variable in TABLE[f"{MEASUREMENT} {kind}"]}
-    units = _columns(name, head, headings, names, known)
-    values = numbers(name, body, names, units)
+    values = values_of(rows, known)
     for one in (CONVERTED[_name(heading)] for heading in headings if _name(heading) in CONVERTED):
         if one.dimension == "length" and (wrong := np.flatnonzero(values[one.variable] < 0)).size:
             raise SceneError([Mistake(name, body[int(wrong[0])][0], "", "a height must not be negative")])
         values[one.variable] = one.convert(values[one.variable])
     along = next(iter(known))
-    if kind == "history" and not (np.diff(values[along]) > 0).all():
-        late = int(np.flatnonzero(~(np.diff(values[along]) > 0))[0]) + 1
-        raise SceneError([Mistake(name, body[late][0], "", "the time does not increase")])
     if kind == "impacts":
         _check_sizes(name, [line for line, _ in body], values, known, along)
     return _dataset(Path(name), text, title, kind, {key: (known[key], value) for key, value in values.items()}, along)
@@ -144,6 +140,18 @@ def csv_rows(path: str | os.PathLike[str], columns: Mapping[str, str] | None = N
             body[1:],
         )
     return Rows(name, text, head, headings, body)
+
+
+def values_of(rows: Rows, known: Mapping[str, Variable]) -> dict[str, np.ndarray]:
+    """The numbers of each column, SI. known: the variables that columns may have, of which the first is needed. Raises
+    SceneError for wrong columns, units and cells, and a time that does not increase."""
+    names = [_variable(heading) for heading in rows.headings]
+    units = _columns(rows.name, rows.head, rows.headings, names, known)
+    values = numbers(rows.name, rows.body, names, units)
+    late = np.flatnonzero(~(np.diff(values.get("t", np.zeros(0))) > 0))
+    if late.size:
+        raise SceneError([Mistake(rows.name, rows.body[int(late[0]) + 1][0], "", "the time does not increase")])
+    return values
 
 
 def doubts_of(ds: xr.Dataset) -> list[str]:
@@ -239,7 +247,7 @@ def _quoted(cell: str) -> str:
 
 
 def _columns(
-    file: str, line: int, headings: list[str], names: list[str], known: dict[str, Variable]
+    file: str, line: int, headings: list[str], names: list[str], known: Mapping[str, Variable]
 ) -> dict[str, tuple[str, str]]:
     """Dimension and unit of each column."""
     mistakes: list[Mistake] = []
@@ -279,9 +287,9 @@ def _columns(
 
 def _why_unknown(name: str, known: Mapping[str, Variable]) -> str:
     """What is wrong with a column that measurements of this kind have not."""
-    if any(name in {variable.name for variable in TABLE[f"{MEASUREMENT} {kind}"]} for kind in ("history", "impacts")):
-        of = "impacts at several velocities" if "t" in known else "a history over time"
-        return f"is of {of}, which this is not"
+    other = ("impacts", "impacts at several velocities") if "t" in known else ("history", "a history over time")
+    if name in {variable.name for variable in TABLE[f"{MEASUREMENT} {other[0]}"]}:
+        return f"is of {other[1]}, which this is not"
     return f"is not known{did_you_mean(name, [*known, *NAMES, *CONVERTED])}"
 
 

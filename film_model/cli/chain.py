@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
 
 from film_model.cli.output import give
@@ -46,9 +45,11 @@ def _text(motion: ChainMotion, verbose: bool) -> str:
         dimensions = [(BODIES | CONTACTS)[name][0] for name in names]
         lines += ["", f"  {what:8}" + "".join(f"{_head(name):>18}" for name in names)]
         rows = motion.rows(names)
-        for number, row in _shown(rows, len(rows) if verbose else MOST_ROWS):
+        numbers = motion.chain.link_names if names is not BODIES else [str(number + 1) for number in range(len(rows))]
+        named = list(zip(numbers, rows, strict=True))
+        for number, row in _shown(named, len(rows) if verbose else MOST_ROWS):
             cells = (_cell(value, kind, whole) for value, kind in zip(row.values(), dimensions, strict=True))
-            lines.append(f"  {number:<8}" + "".join(f"{cell:>18}" for cell in cells))
+            lines.append(f"  {number:8}" + "".join(f"{cell:>18}" for cell in cells))
         if len(rows) > MOST_ROWS and not verbose:
             lines.insert(-MOST_ROWS // 2, f"  ... {len(rows) - MOST_ROWS} more")
     parts = {"before": energy.kinetic_before, "after": energy.kinetic_after, "absorbed": energy.absorbed}
@@ -74,7 +75,6 @@ def _head(name: str) -> str:
     )
 
 
-def _shown(rows: list[dict[str, Any]], most: int) -> Iterable[tuple[int, dict[str, Any]]]:
-    """The rows with their numbers, without the middle ones of more than `most`."""
-    numbered = list(enumerate(rows, 1))
-    return numbered if len(rows) <= most else [*numbered[: most // 2], *numbered[len(rows) - most // 2 :]]
+def _shown(rows: list[tuple[str, dict[str, Any]]], most: int) -> list[tuple[str, dict[str, Any]]]:
+    """The rows without the middle ones of more than `most`."""
+    return rows if len(rows) <= most else [*rows[: most // 2], *rows[len(rows) - most // 2 :]]

@@ -20,9 +20,13 @@ _D, _I = c.c_double, c.c_int32
 
 
 class Contact(c.Structure):
-    """film_chain_contact: a law with its units, between a body and the next or the support."""
+    """film_chain_contact: a law with its units, between a body and one behind it or the support."""
 
-    _fields_ = [("curve", c.c_void_p), *((name, _D) for name in ("length", "force", "depth", "damping", "gap"))]
+    _fields_ = [
+        ("curve", c.c_void_p),
+        *((name, _D) for name in ("length", "force", "depth", "damping", "gap", "along")),
+        *((name, _I) for name in ("front", "behind")),
+    ]
 
 
 class Chain(c.Structure):
@@ -30,8 +34,8 @@ class Chain(c.Structure):
 
     _fields_ = [
         *(("bodies", _I), ("contacts", _I)),
-        *((name, c.c_void_p) for name in ("mass", "velocity", "contact")),
-        *((name, _D) for name in ("gravity", "limit", "tolerance")),
+        *((name, c.c_void_p) for name in ("mass", "velocity", "fall", "contact")),
+        *((name, _D) for name in ("limit", "tolerance")),
         *(("most_steps", _I), ("reserved", _I)),
     ]
 
@@ -53,9 +57,9 @@ SUMMARY_DTYPE = np.dtype(Summary)
 
 @dataclass(frozen=True)
 class Run:
-    """What a run did, in the units of the chain. status: of the core. contacts: SUMMARY_DTYPE. samples: indentation,
-    velocity and force of all bodies (the contact behind each) at each time: (times, 3, bodies). failed: the contact
-    whose law refused the motion."""
+    """What a run did, in the units of the chain. status: of the core. indentation: of the contacts, velocity: of the
+    bodies. contacts: SUMMARY_DTYPE. samples: indentations, velocities and forces at each time: (times, 2 contacts +
+    bodies). failed: the contact whose law refused the motion."""
 
     status: int
     time: float
@@ -71,7 +75,7 @@ class Run:
 def _library() -> Any:
     """The core's library, with the functions of film_chain.h declared."""
     lib, pointer = native.library(), c.c_void_p
-    lib.film_chain_size.argtypes, lib.film_chain_size.restype = [_I], c.c_size_t
+    lib.film_chain_size.argtypes, lib.film_chain_size.restype = [_I, _I], c.c_size_t
     lib.film_chain_run.argtypes = [*[pointer] * 5, c.c_int64, *[pointer] * 5]
     lib.film_chain_run.restype = c.c_int
     sizes = (c.c_int64 * 3)()
@@ -84,28 +88,29 @@ def _library() -> Any:
 def run(
     mass: Array,
     velocity: Array,
-    contacts: Sequence[tuple[native.Curve, float, float, float, float, float]],
+    fall: Array,
+    contacts: Sequence[tuple[native.Curve, float, float, float, float, float, float, int, int]],
     *,
-    gravity: float,
     limit: float,
     tolerance: float,
     times: Any,
 ) -> Run:
-    """Follow a chain. contacts: curve, units of indentation and force, depth, factor of the damping, and gap. limit,
-    times: of the end and of the samples, ascending; limit may be infinite."""
-    lib, n = _library(), mass.size
-    given = (Contact * max(len(contacts), 1))(*(Contact(c.addressof(curve), *numbers) for curve, *numbers in contacts))
-    mass, velocity, times = (np.ascontiguousarray(column, dtype=np.float64) for column in (mass, velocity, times))
+    """Follow a chain. fall: accelerations by weight. contacts: curve, units of indentation and force, depth, factor of
+    the damping, gap, cosine between both lines, and the bodies in front and behind. limit, times: of the end and of
+    the samples, ascending; limit may be infinite."""
+    lib, n, m = _library(), mass.size, len(contacts)
+    given = (Contact * max(m, 1))(*(Contact(c.addressof(curve), *numbers) for curve, *numbers in contacts))
+    mass, velocity, fall, times = (np.ascontiguousarray(row, dtype=np.float64) for row in (mass, velocity, fall, times))
     chain = Chain(
-        *(n, len(contacts), mass.ctypes.data, velocity.ctypes.data, c.addressof(given)),
-        *(gravity, limit, tolerance, MOST_STEPS, 0),
+        *(n, m, mass.ctypes.data, velocity.ctypes.data, fall.ctypes.data, c.addressof(given)),
+        *(limit, tolerance, MOST_STEPS, 0),
     )
     time, steps, failed = _D(), _I(), _I(-1)
-    ends, found = np.empty((2, n)), np.zeros(len(contacts), SUMMARY_DTYPE)
-    samples, memory = np.empty((times.size, 3, n)), np.empty(lib.film_chain_size(n) // 8 + 1)
+    indentation, speeds, found = np.empty(m), np.empty(n), np.zeros(m, SUMMARY_DTYPE)
+    samples, memory = np.empty((times.size, 2 * m + n)), np.empty(lib.film_chain_size(n, m) // 8 + 1)
     status = lib.film_chain_run(
-        *(c.byref(chain), c.byref(time), ends[0].ctypes.data, ends[1].ctypes.data, found.ctypes.data),
+        *(c.byref(chain), c.byref(time), indentation.ctypes.data, speeds.ctypes.data, found.ctypes.data),
         *(times.size, times.ctypes.data, samples.ctypes.data),
         *(c.byref(steps), c.byref(failed), memory.ctypes.data),
     )
-    return Run(status, time.value, steps.value, ends[0], ends[1], found, samples, failed.value)
+    return Run(status, time.value, steps.value, indentation, speeds, found, samples, failed.value)

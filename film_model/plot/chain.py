@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from itertools import cycle
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -35,6 +36,7 @@ def _draw(figure: Figure, motion: ChainMotion) -> None:
         panels, ("velocity", "contact_force"), ("velocity", "force"), ("body", "contact"), strict=True
     ):
         rows = values[name]
+        names = motion.chain.link_names if what == "contact" else range(1, len(rows) + 1)
         size, unit = prefixed_unit(rows, dimension)
         label = f"{dimension} ({unit})"
         if len(motion.values["body_mass"]) > FEW:
@@ -42,14 +44,17 @@ def _draw(figure: Figure, motion: ChainMotion) -> None:
             drawn = panel.pcolormesh(_edges(times) / second, edges, rows / size, cmap="viridis", rasterized=True)
             figure.colorbar(drawn, ax=panel, label=label)
             panel.set_ylabel(what)
+            for link in motion.chain.links:
+                if link.behind not in (None, link.front + 1):  # a branch begins; its contact has the number before
+                    panel.axhline(link.behind + (0.5 if what == "body" else -0.5), color="white", linewidth=1.0)
             continue
-        for number, row in enumerate(rows):
-            panel.plot(times / second, row / size, color=COLOURS[number], label=f"{what} {number + 1}")
+        for number, row, colour in zip(names, rows, cycle(COLOURS), strict=False):
+            panel.plot(times / second, row / size, color=colour, label=f"{what} {number}")
         panel.set_ylabel(label)
         panel.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), frameon=False)
     panels[-1].set_xlabel(f"time ({unit_of_time})")
     panels[-1].set_xlim(times[0] / second, times[-1] / second)
-    title = " ".join(motion.chain.title.split()) or f"Chain of {len(motion.values['mass'])} bodies"
+    title = " ".join(motion.chain.title.split()) or f"Chain of {len(motion.values['body_mass'])} bodies"
     panels[0].set_title(plain(title), fontsize=min(11.0, 600.0 / len(title)), fontweight="bold", loc="left")
 
 

@@ -10,7 +10,7 @@ from film_model.laws import LAWS, AbstractLaw
 from film_model.problem.curve import Curve, curve_of
 from film_model.problem.law_of_scene import ELASTIC, YIELDING, SceneLaw, can_yield
 from film_model.scene import STANDARD_GRAVITY, Scene
-from film_model.scene.chain import Chain
+from film_model.scene.chain import Chain, Link
 
 LEAST_DEPTH = 1e-9
 """Over δ_s."""
@@ -18,7 +18,7 @@ LEAST_DEPTH = 1e-9
 
 class ChainContact(NamedTuple):
     """A contact in SI: the scene of its two bodies, its law and curve, δ_s [m], F_s [N], about its largest indentation
-    [δ_s], damping [N s/m], gap [m]."""
+    [δ_s], damping [N s/m], and which bodies it joins."""
 
     scene: Scene
     law: AbstractLaw
@@ -27,28 +27,31 @@ class ChainContact(NamedTuple):
     force: float
     depth: float
     damping: float
-    gap: float
+    link: Link
 
 
 def speed_of(chain: Chain) -> float:
     """The largest velocity of approach at the start, or after the fall of a chain with weight, m/s."""
-    row = chain.row
-    after = [body.velocity for body in row[1:]] + ([0.0] if chain.target is not None else [])
-    fastest = max(0.0, *(body.velocity - other for body, other in zip(row, after, strict=False)))
-    fall = 2.0 * STANDARD_GRAVITY * row[-1].gap if chain.gravity else 0.0
+    velocity, directions = [body.velocity for body in chain.row], chain.directions
+    fastest = fall = 0.0
+    for link in chain.links:
+        after = 0.0 if link.behind is None else velocity[link.behind]
+        fastest = max(fastest, link.along * velocity[link.front] - after)
+        if chain.gravity and link.behind is None:
+            fall = max(fall, 2.0 * STANDARD_GRAVITY * math.cos(directions[link.front]) * link.gap)
     if fastest == fall == 0.0:
         raise SimulationError("no body of the chain approaches the next one: give a velocity, or gravity and a gap")
     return math.sqrt(fastest**2 + fall)
 
 
 def contacts_of(chain: Chain) -> list[ChainContact]:
-    """The contact behind each body; the last body has one if there is a target. Raises as `simulate_chain` does."""
+    """The contact of each of the chain's links. Raises as `simulate_chain` does."""
     made, speed = dict[int, tuple[AbstractLaw, Curve, float, float, float, float]](), speed_of(chain)
     scenes = chain.pairs(speed)
     for scene in scenes:
         if id(scene) not in made:
             made[id(scene)] = _law_in(scene, speed)
-    return [ChainContact(scene, *made[id(scene)], body.gap) for scene, body in zip(scenes, chain.row, strict=False)]
+    return [ChainContact(scene, *made[id(scene)], link) for scene, link in zip(scenes, chain.links, strict=True)]
 
 
 def _law_in(scene: Scene, speed: float) -> tuple[AbstractLaw, Curve, float, float, float, float]:

@@ -1,28 +1,17 @@
-"""A chain: bodies in a row, and what they hit."""
+"""A chain: bodies in a row or a tree, and what they hit."""
 
 from __future__ import annotations
 
+import math
 import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, ClassVar, cast
+from typing import Any, ClassVar, NamedTuple
 
 from film_model.base.errors import Mistake, SceneError, did_you_mean, raise_all, shown
-from film_model.base.fields import (
-    Field,
-    InUnits,
-    build,
-    choice,
-    fill,
-    fill_ball,
-    key_text,
-    measure,
-    part,
-    table_of,
-    whole,
-)
-from film_model.base.materials import MASS, MATERIAL, Material, MaterialLike, sphere_mass
+from film_model.base.fields import Field, InUnits, build, choice, fill, key_text, measure, part, table_of
 from film_model.base.units import Value
+from film_model.scene.chain_body import MOST_BODIES, ChainBody
 from film_model.scene.contact import Contact, contact_table
 from film_model.scene.impactor import Sphere
 from film_model.scene.options import Effects
@@ -33,77 +22,35 @@ from film_model.targets import Body, HalfSpace
 CHAIN_ACCURACY = 1e-9
 """Of final velocities and largest forces, unless a chain asks for another."""
 
-MOST_BODIES = 10_000
-
 _SECTIONS = {"effects": ("gravity",), "solver": ("accuracy", "duration")}
 """Sections of a file, and the entries of a chain that are in them."""
 
 
-def _contact_of(value: object) -> Contact:
-    if isinstance(value, Contact):
-        return value
-    if isinstance(value, Mapping):
-        return Contact(**cast("dict[str, Any]", value))
-    raise ValueError(f"{shown(value)} is not allowed: a Contact is needed")
+class Link(NamedTuple):
+    """Two that touch, by their numbers from 0; behind is None for the target. angle: between their lines, rad. gap: at
+    the start, m."""
 
-
-@dataclass(frozen=True, init=False, repr=False)
-class ChainBody(InUnits):
-    """A body of a chain, or several alike.
-
-    radius: of the contacting surfaces, m; or, to the constructor, diameter. mass: kg; default density × sphere volume.
-    material: name or table. velocity: at the start, m/s, positive towards the end of the chain; default 0. gap: to the
-    next body, or of the last one to the half-space, m; default 0, touching. count: of such bodies, one after the other,
-    with that gap behind each. contact: the law behind each of them, where it differs from the chain's.
-    """
-
-    is_ball: ClassVar[bool] = True
-    FIELDS: ClassVar[Mapping[str, Field]] = {
-        "radius": measure("length", 1e-10, 1e3, required=True),
-        "mass": MASS,
-        "material": MATERIAL,
-        "velocity": measure("velocity", -2e4, 2e4, required=True),
-        "gap": measure("length", 0, 1e5, required=True),
-        "count": whole(1, MOST_BODIES),
-        "contact": Field(_contact_of, "a Contact is needed", write=contact_table),
-    }
-
-    radius: float
-    mass: float | None
-    material: Material | None
-    velocity: float
+    front: int
+    behind: int | None
+    angle: float
     gap: float
-    count: int
-    contact: Contact | None
-
-    def __init__(
-        self,
-        radius: Value | None = None,
-        mass: Value | None = None,
-        material: MaterialLike | None = None,
-        velocity: Value = "0 m/s",
-        gap: Value = "0 m",
-        count: int = 1,
-        contact: Contact | Mapping[str, Any] | None = None,
-        diameter: Value | None = None,
-    ) -> None:
-        raise_all(fill_ball(self, locals()))
 
     @property
-    def own_mass(self) -> float | None:
-        """The given mass, or density × sphere volume, kg; None if neither is known."""
-        return sphere_mass(self.mass, self.radius, self.material)
+    def along(self) -> float:
+        """Part of the front body's motion along the other line."""
+        return math.cos(self.angle)
 
 
 @dataclass(frozen=True, init=False, repr=False)
 class Chain(InUnits):
-    """Bodies in a row, each of which may touch its neighbours; the last one may hit a half-space.
+    """Bodies in a row or a tree, each of which may touch its neighbours; the last ones may hit a half-space.
 
     bodies: in the order in which they lie; positive directions point to the last. contact: the law of all contacts
     that have none of their own; "auto" is elastoplastic where a yield strength is known, else hertz. target: a
-    HalfSpace behind the last body; default none. gravity: whether weight acts, towards the last body. duration: s;
-    default until contact is open everywhere and no neighbours approach. accuracy: of final velocities over that of
-    approach, and relative, of the largest force of each contact; default 1e-9.
+    HalfSpace behind each body that has none behind it, square to its line; default none. gravity: whether weight acts,
+    along the line of the first body. duration: s; default until contact is open everywhere and no neighbours approach.
+    accuracy: of final velocities over that of approach, and relative, of the largest force of each contact; default
+    1e-9.
 
     >>> ball = {"radius": "10 mm", "material": "bearing steel"}
     >>> cradle = fm.Chain([{**ball, "velocity": "0.5 m/s"}, {**ball, "count": 2}], "hertz")
@@ -149,13 +96,55 @@ class Chain(InUnits):
         raise_all(mistakes or self._mistakes())
 
     def __repr__(self) -> str:
-        end = "" if self.target is None else ", before a half-space"
-        return f"Chain({len(self.row)} bodies{end}; law {self.contact.law_name})"
+        row = self.row
+        ends = len(row) - len({link.front for link in self.links if link.behind is not None})
+        count = f"{len(row)} bodies" + (f" with {ends} ends" if ends > 1 else "")
+        return f"Chain({count}{'' if self.target is None else ', before a half-space'}; law {self.contact.law_name})"
 
     @property
     def row(self) -> list[ChainBody]:
         """Every body, one by one."""
         return [body for body in self.bodies for _ in range(body.count)]
+
+    @property
+    def links(self) -> list[Link]:
+        """Which bodies touch: each of them but the first with the one in front of it, then the last ones with the
+        target."""
+        row, found, last = self.row, list[Link](), dict[str, int]()
+        number = 0
+        for body in self.bodies:
+            for leads in (True, *[False] * (body.count - 1)):
+                front = last[body.behind] if leads and body.behind else number - 1
+                gap = body.front_gap if leads and body.front_gap is not None else row[front].gap
+                if number:
+                    found.append(Link(front, number, (body.angle or 0.0) if leads else 0.0, gap))
+                number += 1
+            last[body.name] = number - 1
+        if self.target is not None:
+            fronts = {link.front for link in found}
+            found += [Link(k, None, 0.0, body.gap) for k, body in enumerate(row) if k not in fronts]
+        return found
+
+    @property
+    def branches(self) -> bool:
+        """Whether a body is behind another than the one before it."""
+        return any(link.behind is not None and link.front + 1 != link.behind for link in self.links)
+
+    @property
+    def link_names(self) -> list[str]:
+        """What tables and messages call each of `links`: its number; in a tree those of its bodies."""
+        links = self.links
+        if not self.branches:
+            return [str(number) for number in range(1, len(links) + 1)]
+        return [f"{x.front + 1}-{'target' if x.behind is None else x.behind + 1}" for x in links]
+
+    @property
+    def directions(self) -> list[float]:
+        """Angle of each body's line to that of the first, rad."""
+        found = [0.0]
+        for link in self.links[: len(self.row) - 1]:
+            found.append(found[link.front] + link.angle)
+        return found
 
     def _mistakes(self) -> list[Mistake]:
         row = self.row
@@ -171,23 +160,41 @@ class Chain(InUnits):
         ]
         if self.gravity and self.target is None:
             found.append(Mistake(None, None, "Chain.gravity", "is true: weight needs a target to fall onto"))
+        return found + self._wrong_names()
+
+    def _wrong_names(self) -> list[Mistake]:
+        """Mistakes in what says which body is in front of another."""
+        found, known = list[Mistake](), dict[str, int]()
+        for number, body in enumerate(self.bodies, 1):
+            here = f"bodies[{number}]"
+            given = [name for name in ("behind", "angle", "front_gap") if getattr(body, name) not in (None, "")]
+            if number == 1:
+                what = "is not for the first body, which has none in front"
+                found += [Mistake(None, None, f"{here}.{name}", what) for name in given]
+            elif body.behind and body.behind not in known:
+                what = f"{shown(body.behind)} is no name of a body before it{did_you_mean(body.behind, known)}"
+                found.append(Mistake(None, None, f"{here}.behind", what))
+            if body.name in known:
+                what = f"{shown(body.name)} is the name of bodies[{known[body.name]}], too"
+                found.append(Mistake(None, None, f"{here}.name", what))
+            elif body.name:
+                known[body.name] = number
         return found
 
     def pairs(self, speed: float) -> list[Scene]:
-        """The contact behind each body as a scene of two bodies that approach with `speed` [m/s].
+        """Each of `links` as a scene of two bodies that approach with `speed` [m/s].
 
         Raises SceneError for what a law needs and its bodies do not say.
         """
         row, known, found = self.row, dict[tuple[int, int], Scene](), list[Scene]()
         places = [n for n, body in enumerate(self.bodies, 1) for _ in range(body.count)]
-        for k, one in enumerate(row if self.target is not None else row[:-1]):
-            last = k + 1 == len(row)
-            key = places[k], 0 if last else places[k + 1]
+        for link in self.links:
+            key = places[link.front], 0 if link.behind is None else places[link.behind]
             if key not in known:
                 try:
-                    known[key] = self._pair(one, None if last else row[k + 1], speed)
+                    known[key] = self._pair(row[link.front], None if link.behind is None else row[link.behind], speed)
                 except SceneError as error:
-                    other = "target" if last else f"bodies[{key[1]}]"
+                    other = "target" if link.behind is None else f"bodies[{key[1]}]"
                     raise SceneError(_renamed(m, f"bodies[{key[0]}]", other) for m in error.mistakes) from None
             found.append(known[key])
         return found

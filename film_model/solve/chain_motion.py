@@ -1,4 +1,4 @@
-"""simulate_chain(chain) → ChainMotion: how bodies in a row collide."""
+"""simulate_chain(chain) → ChainMotion: how bodies in a row or a tree collide."""
 
 from __future__ import annotations
 
@@ -37,6 +37,9 @@ COARSER, CLOSER = 0.01, 1e-3
 TOUCHING = 1e-9
 """Time in units of the run below which a contact begins at the start."""
 
+ENDED = "contact is open everywhere, and no neighbours approach"
+"""Outcome of a chain that is not followed for a duration."""
+
 BODIES: dict[str, tuple[str, str]] = {
     "body_mass": ("mass", "mass of the body"),
     "initial_velocity": ("velocity", "velocity at the start"),
@@ -52,7 +55,7 @@ CONTACTS: dict[str, tuple[str, str]] = {
     "contact_ends": ("time", "when contact last ends"),
     "energy_absorbed": ("energy", "work done on the contact, less what it gave back"),
 }
-"""Values of each contact, likewise. Contact k is behind body k; the last one may be that with the half-space."""
+"""Values of each contact, likewise, in the order of the chain's `links`."""
 
 
 class EnergyBalance(NamedTuple):
@@ -126,22 +129,23 @@ class ChainMotion:
         return max(0.0, first - 0.05 * (last - first)), last
 
     def sample_si(self, times: Any) -> dict[str, Array]:
-        """Motion at ascending times [s] from 0 to the end, SI: displacement and velocity (bodies, times), indentation
-        and contact_force (contacts, times). It is computed anew, as exactly as the results.
+        """Motion at ascending times [s], SI: displacement and velocity (bodies, times), indentation and contact_force
+        (contacts, times). It is computed anew, as exactly as the results. Times after the end are allowed where bodies
+        then fly on for ever: without weight, and if the duration is not what ended the motion.
         """
         at = np.atleast_1d(np.asarray(times, np.float64))
-        if not (at[0] >= 0.0 and at[-1] <= self.end and (np.diff(at) >= 0.0).all()):
-            raise ValueError(f"times: must ascend from 0 s to the end, {self.end:g} s")
+        last = math.inf if self.outcome == ENDED and not self.chain.gravity else self.end
+        if not (at[0] >= 0.0 and at[-1] <= last and (np.diff(at) >= 0.0).all()):
+            raise ValueError(f"times: must ascend from 0 s to the end, {last:g} s")
         contacts = contacts_of(self.chain)
         scales, count = _Scales.of(self.chain, contacts), len(contacts)
-        values = _runner(self.chain, contacts, scales)(FINEST, at / scales.time).samples.transpose(1, 2, 0)
-        moved = values[0] * scales.length  # behind the last body: its displacement
-        moved[:count] += np.array([contact.gap for contact in contacts])[:, None]
+        samples = _runner(self.chain, contacts, scales)(FINEST, at / scales.time).samples.T
+        indentation = samples[:count] * scales.length
         return {
-            "displacement": np.cumsum(moved[::-1], axis=0)[::-1],
-            "velocity": values[1] * scales.velocity,
-            "indentation": values[0, :count] * scales.length,
-            "contact_force": values[2, :count] * scales.force,
+            "displacement": _displacements(self.chain, indentation, at),
+            "velocity": samples[count:-count] * scales.velocity,
+            "indentation": indentation,
+            "contact_force": samples[-count:] * scales.force,
         }
 
     def rows(self, names: Iterable[str]) -> list[dict[str, Any]]:
@@ -152,8 +156,9 @@ class ChainMotion:
     def to_dict(self) -> dict[str, Any]:
         """Plain values for JSON, SI: title, laws, outcome, end, bodies and contacts, energy, accuracy and warnings."""
         rows = {key: self.rows(names) for key, names in (("bodies", BODIES), ("contacts", CONTACTS))}
-        for row, law, count in zip(rows["contacts"], self.laws, self.counts, strict=True):
-            row |= {"law": law, "count": count}
+        for row, link, law, count in zip(rows["contacts"], self.chain.links, self.laws, self.counts, strict=True):
+            row |= {"law": law, "count": count, "front": link.front + 1}
+            row["behind"] = None if link.behind is None else link.behind + 1
         return {
             "title": self.chain.title,
             "outcome": self.outcome,
@@ -196,12 +201,14 @@ class _Scales(NamedTuple):
 
 
 def simulate_chain(chain: Chain) -> ChainMotion:
-    """The motion of bodies in a row, each contact by its law with its own history.
+    """The motion of bodies in a row or a tree, each contact by its law with its own history.
 
     The equations of motion are integrated by DOP853 (order 8) with a step that ends where a contact begins, turns,
     changes its stage or ends. `accuracy` is met by comparison with a run of a coarser tolerance. Momentum is kept to
     rounding, and the energy of elastic chains to 1e-12. Effects that `simulate` decides (waves, rate hardening,
-    vibrations of the half-space, viscosity) are not simulated. Bodies of a chain are spheres that move along one line.
+    vibrations of the half-space, viscosity) are not simulated. Bodies are spheres, each of which moves along its line,
+    as in a frictionless guide: of the force at a bend the body in front takes the part along its own line, and its
+    guide the rest. Ways while bodies touch are short beside their radii.
 
     >>> small, large = ({"radius": size, "material": "acrylic"} for size in ("5 mm", "20 mm"))
     >>> dropped = fm.Chain([small, {**large, "gap": "1 cm"}], "hertz", fm.HalfSpace("mild steel"), gravity=True)
@@ -226,18 +233,20 @@ def simulate_chain_quietly(chain: Chain) -> ChainMotion:
     scales = _Scales.of(chain, contacts)
     run = _runner(chain, contacts, scales)
     fine, tolerance = run(FINEST), max(chain.accuracy * COARSER, FINEST * 10.0)
-    _raise_failure(fine, contacts, scales)
+    _raise_failure(chain, fine, contacts, scales)
     while (estimated := _difference(run(tolerance), fine)) > chain.accuracy and tolerance > FINEST * 10.0:
         tolerance = max(tolerance * CLOSER, FINEST * 10.0)
     values = _values(chain, fine, scales)
-    said = _warnings(contacts, values, estimated, chain.accuracy)
-    ended = "contact is open everywhere, and no neighbours approach"
-    outcome = f"followed for {format_si(fine.time * scales.time, 'time', 5)}"
+    said = _warnings(chain, contacts, values, estimated)
+    end = fine.time * scales.time
+    if chain.duration is not None and fine.status != native.EVENT:
+        end = chain.duration  # to the last bit
+    outcome = f"followed for {format_si(end, 'time', 5)}"
     return ChainMotion(
         chain=chain,
         laws=tuple(contact.law.name for contact in contacts),
-        outcome=ended if fine.status == native.EVENT else outcome,
-        end=fine.time * scales.time,
+        outcome=ENDED if fine.status == native.EVENT else outcome,
+        end=end,
         values=values,
         counts=tuple(fine.contacts["count"].tolist()),
         energy=_balance(chain, fine, scales, values),
@@ -257,20 +266,49 @@ def _runner(chain: Chain, contacts: list[ChainContact], scales: _Scales) -> Call
             contact.force / scales.force,
             contact.depth,
             contact.damping * scales.velocity / contact.force,
-            contact.gap / scales.length,
+            contact.link.gap / scales.length,
+            contact.link.along,
+            contact.link.front,
+            len(row) if contact.link.behind is None else contact.link.behind,
         )
         for contact in contacts
     ]
-    gravity = STANDARD_GRAVITY * scales.time / scales.velocity if chain.gravity else 0.0
+    fall = _falls(chain) * scales.time / scales.velocity
     limit = math.inf if chain.duration is None else chain.duration / scales.time
 
     def run(tolerance: float, times: Any = ()) -> chaining.Run:
-        return chaining.run(mass, velocity, given, gravity=gravity, limit=limit, tolerance=tolerance, times=times)
+        return chaining.run(mass, velocity, fall, given, limit=limit, tolerance=tolerance, times=times)
 
     return run
 
 
-def _raise_failure(run: chaining.Run, contacts: list[ChainContact], scales: _Scales) -> None:
+def _falls(chain: Chain) -> Array:
+    """Acceleration of each body by its weight, m/s²."""
+    return (STANDARD_GRAVITY if chain.gravity else 0.0) * np.cos(chain.directions)
+
+
+def _displacements(chain: Chain, indentation: Array, times: Array) -> Array:
+    """Displacements from indentations [m], (contacts, times): x_b = c x_a - (d + gap) at each link. That of the first
+    body follows from the way to the target or, without one, from Σ m_b x_b Π c, which grows evenly: at a link, a loses
+    the part c of what b gains."""
+    row, links = chain.row, chain.links
+    moved = indentation + np.array([link.gap for link in links])[:, None]
+    part, behind = np.ones(len(row)), np.zeros((len(row), times.size))
+    for link, way in zip(links, moved, strict=True):
+        if link.behind is not None:
+            part[link.behind] = link.along * part[link.front]
+            behind[link.behind] = link.along * behind[link.front] + way
+    if chain.target is not None:
+        end = max(range(len(row) - 1, len(links)), key=lambda k: abs(part[links[k].front]))
+        first = (moved[end] + behind[links[end].front]) / part[links[end].front]
+    else:
+        weight = part * np.array([body.own_mass for body in row])
+        start = np.array([body.velocity for body in row])
+        first = ((weight @ start) * times + weight @ behind) / (weight @ part)
+    return part[:, None] * first - behind
+
+
+def _raise_failure(chain: Chain, run: chaining.Run, contacts: list[ChainContact], scales: _Scales) -> None:
     if run.status >= 0:
         return
     at = format_si(run.time * scales.time, "time", 4)
@@ -278,7 +316,7 @@ def _raise_failure(run: chaining.Run, contacts: list[ChainContact], scales: _Sca
         why = f"the chain takes more than {chaining.MOST_STEPS} steps; at {at}: give a shorter duration"
         raise SimulationError(why)
     law, why = contacts[run.failed].law.name, STATUSES[run.status].sentence
-    raise SimulationError(f"contact {run.failed + 1}, law {law}: {why}; at {at}")
+    raise SimulationError(f"contact {chain.link_names[run.failed]}, law {law}: {why}; at {at}")
 
 
 def _difference(coarse: chaining.Run, fine: chaining.Run) -> float:
@@ -310,34 +348,33 @@ def _balance(chain: Chain, run: chaining.Run, scales: _Scales, values: dict[str,
     before, after = (0.5 * float(mass @ values[f"{when}_velocity"] ** 2) for when in ("initial", "final"))
     weight = 0.0
     if chain.gravity:
-        gaps = np.array([body.gap for body in chain.row])
-        moved = np.cumsum((run.indentation * scales.length + gaps)[::-1])[::-1]
-        weight = STANDARD_GRAVITY * float(mass @ moved)
+        moved = _displacements(chain, run.indentation[:, None] * scales.length, np.array([run.time * scales.time]))
+        weight = float((mass * _falls(chain)) @ moved[:, 0])
     absorbed = float(values["energy_absorbed"].sum())
     return EnergyBalance(before, after, weight, absorbed, before + weight - absorbed - after)
 
 
 def _warnings(
-    contacts: list[ChainContact], values: dict[str, Array], estimated: float, accuracy: float
+    chain: Chain, contacts: list[ChainContact], values: dict[str, Array], estimated: float
 ) -> tuple[str, ...]:
     found = dict[str, None]()
-    for number, contact in enumerate(contacts, 1):
-        force, depth = (float(values[name][number - 1]) for name in ("largest_force", "largest_indentation"))
+    peaks = zip(*(values[name].tolist() for name in ("largest_force", "largest_indentation")), strict=True)
+    for name, contact, (force, depth) in zip(chain.link_names, contacts, peaks, strict=True):
         outside = contact.law.outside(depth / contact.length)
         found |= dict.fromkeys((*contact.curve.warnings, *contact.law.remarks()))
         if outside:
-            found[f"contact {number}: {outside}"] = None
+            found[f"contact {name}: {outside}"] = None
         scene, law = contact.scene, contact.law
         if getattr(law, "family", "") == "elastic" and scene.yield_strength and scene.effective_modulus:
             _, most = yield_point(scene.effective_modulus, scene.effective_radius, scene.yield_strength)
             if force > most and not any("yields above" in sentence for sentence in found):
                 found[
-                    f"contact {number} yields above {format_si(most, 'force', 3)}, its force reaches "
+                    f"contact {name} yields above {format_si(most, 'force', 3)}, its force reaches "
                     f"{format_si(force, 'force', 3)}: law {law.name} is elastic"
                 ] = None
-    if estimated > accuracy:
+    if estimated > chain.accuracy:
         found[
-            f"accuracy {accuracy:g} is not reached: estimated relative error {estimated:.1e}; collisions that follow "
-            "each other amplify every error"
+            f"accuracy {chain.accuracy:g} is not reached: estimated relative error {estimated:.1e}; collisions that "
+            "follow each other amplify every error"
         ] = None
     return tuple(found)

@@ -163,11 +163,14 @@ def _bouncing() -> Iterator[Case]:
 
 
 def _chains() -> Iterator[Case]:
-    """Newton's cradle of three, whose balls touch or not, and a small ball on a large one that hit the ground."""
+    """Newton's cradle of three, whose balls touch or not, a ball that strikes a fork, and a small ball on a large one
+    that hit the ground."""
     ball = {"radius": "0.01 m", "mass": f"{STEEL_BALL.mass!r} kg", "material": STEEL}
     for speed, gap in ((0.1, 0.0), (0.4, 0.0), (0.4, 2e-6)):
         balls = [{**ball, "velocity": _si(speed), "gap": f"{gap!r} m"}, {**ball, "gap": f"{gap!r} m"}, ball]
         yield _chain(f"cradle-{speed:g}" + ("-gaps" if gap else ""), {"bodies": balls})
+    branches = [{**ball, "count": 2, "behind": "stem", "angle": _angle(angle)} for angle in (30, -30)]
+    yield _chain("fork-0.4", {"bodies": [{**ball, "velocity": _si(0.4)}, {**ball, "name": "stem"}, *branches]})
     down = [{"radius": size, "material": STEEL, "velocity": _si(0.2)} for size in ("0.01 m", "0.02 m")]
     yield _chain("ball-on-ball-0.2", {"bodies": down, "target": TARGETS["half-space"]})
 
@@ -177,7 +180,8 @@ def _chain(name: str, table: Mapping[str, Any]) -> Case:
 
 
 def _published() -> Iterator[Case]:
-    """Chung & Ooi 2011, Granular Matter 13:643: tests 1 and 2; 4 (Kharaz, Gorham & Salman 2001) and 5 undamped."""
+    """Chung & Ooi 2011, Granular Matter 13:643: tests 1 and 2; 3 with Tsuji's damping; 4 (Kharaz, Gorham & Salman 2001)
+    to 8 undamped."""
     for (name, *values), test in zip(_CHUNG_OOI, (1, 1, 2, 2), strict=True):
         modulus, ratio, density, radius, speed = values
         own = {"youngs_modulus": f"{modulus!r} Pa", "poissons_ratio": ratio, "density": f"{density!r} kg/m^3"}
@@ -196,6 +200,28 @@ def _published() -> Iterator[Case]:
         ball = {"radius": "1e-5 m", "material": steel, **speed}
         contact, target = {"law": "hertz", "friction": 0.3}, {"kind": "half-space", "material": steel}
         yield _case(f"chung-ooi-5-{ratio:g}", "oblique", target, contact, ball)
+    for name, modulus, ratio, density in (("alumina", 380e9, 0.23, 4000.0), ("cast-iron", 100e9, 0.25, 7000.0)):
+        own = {"youngs_modulus": f"{modulus!r} Pa", "poissons_ratio": ratio, "density": f"{density!r} kg/m^3"}
+        ball = {"radius": "0.0025 m", "velocity": _si(3.9), "material": own}
+        for e in (0.2, 0.6, 0.9):
+            contact = {"law": "tsuji", "restitution": e, "effective_modulus": f"{modulus / (1.0 - ratio**2)!r} Pa"}
+            yield _case(f"chung-ooi-3-{name}-{e:g}", "damped", {"kind": "half-space"}, contact, ball)
+    yield from _spinning()
+
+
+def _spinning() -> Iterator[Case]:
+    """Tests 6 to 8: spin that gives the contact point the velocity of an impact at an angle, on a half-space and on a
+    large ball; in 7 an equal ball spins the other way, so that nothing slides."""
+    alloy = {"youngs_modulus": "70e9 Pa", "poissons_ratio": 0.33, "density": "2700 kg/m^3"}
+    contact, ball = {"law": "hertz", "friction": 0.4}, {"radius": "0.1 m", "velocity": _si(0.2), "material": alloy}
+    for angle, (test, target) in product(
+        (10, 30, 75),
+        ((6, {"kind": "half-space", "material": alloy}), (8, {"kind": "body", "radius": "0.5 m", "material": alloy})),
+    ):
+        spin = {"spin": f"{0.2 * math.tan(math.radians(angle)) / 0.1!r} rad/s"}
+        yield _case(f"chung-ooi-{test}-{angle}deg", "oblique", target, contact, ball | spin)
+    twin = {"kind": "body", "radius": "0.1 m", "material": alloy, "spin": "-2.0 rad/s"}
+    yield _case("chung-ooi-7", "published", twin, contact, ball | {"spin": "2.0 rad/s"})
 
 
 _CHUNG_OOI = (

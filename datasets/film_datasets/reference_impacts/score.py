@@ -11,11 +11,13 @@ from typing import Any
 
 import numpy as np
 
-from film_datasets.csv_measurement import from_csv
-from film_datasets.reference_impacts.cases import Case, scene_of
+from film_datasets.csv_measurement import csv_rows, from_csv, values_of
+from film_datasets.reference_impacts.cases import Case, chain_of, scene_of
 from film_datasets.reference_impacts.suite import bouncing_motion, bouncing_times, chosen
+from film_datasets.schema import CHAIN, TABLE
 from film_model.base.errors import Mistake, SceneError
 from film_model.solve.bounce import bounce_quietly
+from film_model.solve.chain_motion import simulate_chain_quietly
 from film_model.solve.history import MOTION, History
 from film_model.solve.simulate import simulate_quietly
 
@@ -37,11 +39,13 @@ def score(path: str | os.PathLike[str], case: str | None = None) -> list[Score]:
     with any units: `time [us], contact_force [kN]`; cells may be empty, except times and impactor_velocity. The
     reference is evaluated at the times of the file, so that nothing is interpolated. From the columns follow the errors
     of maximum_force, maximum_indentation, contact_duration (the last time with a force), rebound_velocity (the last
-    impactor_velocity) and coefficient_of_restitution (the last relative_velocity). case: the name, of a file that is
-    called otherwise.
+    impactor_velocity) and coefficient_of_restitution (the last relative_velocity). Columns of a chain have the number
+    of a body or contact: `velocity_2 [m/s], contact_force_1 [N]`. An error is then the largest of all bodies or
+    contacts, over the largest value of them; from the columns follow maximum_force and final_velocity (the last
+    velocities). case: the name, of a file that is called otherwise.
 
-    Raises SceneError for wrong columns, units or numbers, ValueError for an unknown case or a chain, OSError for
-    a file that cannot be read.
+    Raises SceneError for wrong columns, units or numbers, ValueError for an unknown case, OSError for a file that
+    cannot be read.
 
     >>> fd.score("hertz-half-space-0.4.csv")[0].rows
     3
@@ -56,9 +60,10 @@ def score(path: str | os.PathLike[str], case: str | None = None) -> list[Score]:
 
 
 def _score(file: Path, name: str) -> Score:
-    measured, case = from_csv(file), chosen([name])[0]
+    case = chosen([name])[0]
     if case.group == "chain":
-        raise ValueError(f"{file}: case {case.name} is a chain of bodies, which is not compared")
+        return _score_of_chain(file, case)
+    measured = from_csv(file)
     if measured.attrs["measured"] != "history":
         raise SceneError([Mistake(str(file), None, "", 'a column "time" is needed: these are impacts, not a history')])
     times = measured["t"].values
@@ -107,6 +112,32 @@ def _summary_errors(history: History, times: Any, columns: Mapping[str, Any]) ->
         found["rebound_velocity"] = float(columns["impactor_velocity"][-1])
     pairs = ((name, value, history.summary[name]) for name, value in found.items())
     return {name: abs(value / own - 1.0) for name, value, own in pairs if own}
+
+
+def _score_of_chain(file: Path, case: Case) -> Score:
+    motion = simulate_chain_quietly(chain_of(case))
+    sizes = {"body": len(motion.chain.row), "contact": len(motion.chain.links)}
+    known = {"t": next(v for v in TABLE[CHAIN] if v.name == "t")} | {
+        f"{v.name}_{number}": v for v in TABLE[CHAIN] if len(v.dims) == 2 for number in range(1, sizes[v.dims[0]] + 1)
+    }
+    values = values_of(csv_rows(file), known)
+    times = values.pop("t")
+    if times[0] < 0.0:
+        raise SceneError([Mistake(str(file), None, "", f"time {times[0]:g} s is before the start, which is 0 s")])
+    own, largest = (motion.sample_si(at) for at in (times, np.linspace(*motion.span, 401)))
+    errors = dict[str, float]()
+    for name, column in values.items():
+        what, number = name.rsplit("_", 1)
+        size = float(np.abs(largest[what]).max())
+        error = float(np.nanmax(np.abs(column - own[what][int(number) - 1]))) / size
+        errors[what] = max(error, errors.get(what, 0.0))
+        ends = {"velocity": ("final_velocity", column[-1]), "contact_force": ("maximum_force", np.nanmax(column))}
+        if what in ends:
+            result, found = ends[what]
+            exact = motion.values["largest_force" if what == "contact_force" else result]
+            error = abs(float(found) - float(exact[int(number) - 1])) / float(np.abs(exact).max())
+            errors[result] = max(error, errors.get(result, 0.0))
+    return Score(case.name, times.size, errors)
 
 
 def by_quantity(scores: list[Score]) -> dict[str, dict[str, Any]]:

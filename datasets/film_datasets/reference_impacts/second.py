@@ -154,31 +154,29 @@ def second_bounces(scene: Scene, problem: Problem, count: int) -> Second:
 
 
 def second_chain(chain: Chain, end: float) -> Second:
-    """Bodies in a row under Hertz's law up to a time: SciPy's DOP853 on their displacements, without the core."""
-    row, pairs = chain.row, chain.pairs(1.0)
-    count, contacts = len(row), len(pairs)
+    """Bodies under Hertz's law up to a time: SciPy's DOP853 on their displacements, without the core."""
+    row, links, pairs = chain.row, chain.links, chain.pairs(1.0)
+    count, contacts = len(row), len(links)
     mass = np.array([body.own_mass for body in row])
-    gaps = np.array([body.gap for body in row[:contacts]])
+    gaps = np.array([link.gap for link in links])
     stiffness = np.array(
         [hertz_stiffness(cast("float", pair.effective_modulus), pair.effective_radius) for pair in pairs]
     )
     speeds = np.array([body.velocity for body in row])
-
-    def apart(values: Any) -> Any:
-        return values[:contacts] - np.append(values[1:], 0.0)[:contacts]
+    closing = np.zeros((contacts, count))  # the way of each contact, of those of the bodies
+    for k, link in enumerate(links):
+        closing[k, link.front] = link.along
+        if link.behind is not None:
+            closing[k, link.behind] = -1.0
 
     def forces(z: Any) -> Any:
-        return stiffness * np.maximum(apart(z[:count]) - gaps, 0.0) ** 1.5
+        return stiffness * np.maximum(closing @ z[:count] - gaps, 0.0) ** 1.5
 
     def rates(_: float, z: Any) -> Any:
-        force = np.append(forces(z), [0.0] * (count - contacts))
-        return np.concatenate((z[count:], (np.append(0.0, force[:-1]) - force) / mass))
+        return np.concatenate((z[count:], -(forces(z) @ closing) / mass))
 
     def turn(k: int) -> Any:
-        def rate(_: float, z: Any) -> float:
-            return apart(z[count:])[k]
-
-        return rate
+        return lambda _, z: float(closing[k] @ z[count:])  # pyright: ignore[reportUnknownLambdaType]
 
     start = np.concatenate((np.zeros(count), speeds))
     small = np.concatenate((np.full(count, 1e-15), np.full(count, 1e-11))) * np.abs(speeds).max() * 1e-4

@@ -11,7 +11,9 @@ ABSENT = "NaN if it does not happen"
 CHAINS = (
     number("t", ("t",), "time", "time since the start"),
     Variable("body", ("body",), INTEGER, "1", "number of the body", "in the order in which they lie"),
-    Variable("contact", ("contact",), INTEGER, "1", "number of the contact", "of the body before it"),
+    Variable("contact", ("contact",), INTEGER, "1", "number of the contact", "those with the target are the last"),
+    Variable("contact_front", ("contact",), INTEGER, "1", "number of the body in front"),
+    Variable("contact_behind", ("contact",), INTEGER, "1", "number of the body behind", "0: the target"),
     *(number(name, ("body",), dimension, spaced(name), what) for name, (dimension, what) in BODIES.items()),
     *(
         number(name, ("contact",), dimension, spaced(name), f"{what}; {ABSENT}", optional=True)

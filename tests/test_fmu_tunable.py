@@ -81,6 +81,7 @@ def test_in_model_exchange_they_change_with_an_event(made):
             slave.set("gravity", 7.0)
             slave.handle()
             assert slave.get(("impactor_acceleration",))["impactor_acceleration"] == 7.0
-        message = "gravity can only be set before the end of Initialization Mode, and between steps or in Event Mode"
+        message = "mass can only be set before the end of Initialization Mode"
         with pytest.raises(fm.SimulationError, match=message), started(fmu, False, {}, exchange=True) as slave:
-            slave.set("gravity", 7.0)
+            slave.instance.enterEventMode()
+            slave.set("mass", 1.0)

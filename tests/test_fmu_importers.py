@@ -212,7 +212,7 @@ def test_casadi_takes_values_jacobians_and_adjoints(dae, version):
 
 
 def test_casadi_differentiates_by_parameters(dae):
-    """Against central differences of its own values, and adjoint; FMI 2.0 lists no parameters among the dependencies."""
+    """Against central differences of its own values, and adjoint. FMI 2.0 lists no dependencies on parameters."""
     builder = dae(fmu_wrapper.served(scene("big-alabo", "plate")), 3, ("contact_force", "target_velocity"))
     for name in ("mass", "radius", "effective_modulus", "yield_strength", "target_impedance"):
         builder.set_category(name, "p")
@@ -224,7 +224,9 @@ def test_casadi_differentiates_by_parameters(dae):
         moved = [[*p[:k], value * (1.0 + 1e-3 * node), *p[k + 1 :]] for node in (-2, -1, 1, 2)]
         values = [np.concatenate([np.array(part)[:, 0] for part in model(x, u, one)]) for one in moved]
         expected = np.array([1, -8, 8, -1]) @ values / (12e-3 * value)
-        assert np.concatenate([ode[:, k], y[:, k]]) == pytest.approx(expected, rel=1e-8, abs=1e-14 * np.abs(values).max())
+        assert np.concatenate([ode[:, k], y[:, k]]) == pytest.approx(
+            expected, rel=1e-8, abs=1e-14 * np.abs(values).max()
+        )
     adjoint = model.reverse(1)(x, u, p, *model(x, u, p), [0.0, 1.0, 0.0], [0.0, 0.0])
     assert np.array(adjoint[2])[:, 0] == pytest.approx(ode[1], rel=1e-13)
 

@@ -1,4 +1,7 @@
-"""Derivatives of the motion by parameters after Initialization Mode: in Model Exchange as a function, in Co-Simulation in all."""
+"""Derivatives of the motion by parameters after Initialization Mode.
+
+In Model Exchange rates and outputs are functions of states, inputs and parameters; in Co-Simulation all of the motion counts.
+"""
 
 import numpy as np
 import pytest
@@ -77,7 +80,9 @@ def test_a_dent_is_not_that_of_other_parameters(made):
         put(slave, (0.4 * depth, -speed, moved))
         assert jacobian(slave, ("impactor_acceleration",), ("mass",))[0, 0] > 0.0
         slave.set("mass", 2.0 * fmu.data.start[reference("mass")])
-        sentence = "radius cannot change now: the contact remembers an indentation with the parameters that it began with"
+        sentence = (
+            "radius cannot change now: the contact remembers an indentation with the parameters that it began with"
+        )
         assert sentence in said_of(slave, lambda: jacobian(slave, ("contact_force",), ("radius",)))
         assert sentence in said_of(slave, lambda: slave.set("radius", 0.02))
         assert "initial_gap belongs to the start" in said_of(slave, lambda: slave.set("initial_gap", 1e-6))

@@ -96,7 +96,7 @@ def test_a_contact_of_few_steps_says_so(made, steps, validity):
 @pytest.mark.parametrize("version", [2, 3])
 @pytest.mark.parametrize("way", ["side by side", "bodies first"])
 def test_a_contact_of_too_few_steps_is_an_error(made, version, way):
-    """Steps of 200 and 100 us, in a contact of 200 us, multiply the velocity by 33 and 5: the run ends with an error."""
+    """Steps of 200 and 100 us, in a contact of 200 us, multiply the velocity by 33 and 5: the run ends so."""
     history = fm.simulate(scene("hertz"), accuracy=1e-8)
 
     def run(steps):

@@ -1,6 +1,6 @@
 """Derivatives of the motion by parameters after Initialization Mode.
 
-In Model Exchange rates and outputs are functions of states, inputs and parameters; in Co-Simulation all of the motion counts.
+In Model Exchange of rates and outputs as functions of states and parameters; in Co-Simulation of the whole motion.
 """
 
 import numpy as np

@@ -113,6 +113,15 @@ def test_a_contact_of_too_few_steps_is_an_error(made, version, way):
             run(steps)
 
 
+def test_bodies_that_a_contact_pushes_apart_from_rest_are_no_error(made):
+    with opened(made(scene("hertz"), 3, kind="contact")) as fmu, started(fmu, False, {"indentation": 1e-6}) as slave:
+        for k, (indentation, rate) in enumerate([(1e-6, 0.0), (0.5e-6, -0.1), (-1e-6, -0.2)]):
+            slave.set("indentation", indentation)
+            slave.set("relative_velocity", rate)
+            slave.step(k * 1e-5, 1e-5)
+        assert slave.get(("validity",))["validity"] == 8
+
+
 @combinations(law=["hertz", "big-alabo", "tsuji", "linear-dashpot"], fast=2)
 def test_a_master_that_steps_side_by_side_has_errors_of_a_percent_at_50_steps(made, law):
     history = fm.simulate(scene(law), accuracy=1e-8)

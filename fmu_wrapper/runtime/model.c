@@ -230,7 +230,7 @@ static int remembers(const film_state *state) {
 
 static int move_to(model *m, unsigned reference, double value) {
     model_memory *now = &m->memory;
-    double length = now->length, force = now->force, velocity = now->velocity;
+    double force = now->force, velocity = now->velocity;
     if (model_set(m, reference, value) < 0) return -1;
     now->initialized = 1; /* the motion goes on */
     if (scale(m) < 0) return -1;
@@ -239,7 +239,6 @@ static int move_to(model *m, unsigned reference, double value) {
     state->gamma = state->line.gamma = gamma_of(m);
     if (state->branch != FILM_FREE) state->line.damper = state->damper;
     state->force_peak *= force / now->force;
-    state->xi_free *= length / now->length;
     now->contact_speed *= velocity / now->velocity;
     return 0;
 }

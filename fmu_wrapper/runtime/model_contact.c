@@ -72,7 +72,7 @@ static int count_step(model *m, double time) {
     model_record *record = &now->actual;
     int steps = record->steps;
     if (record->stage != FILM_FREE) {
-        if (record->steps++ == 0) now->contact_speed = fabs(now->committed_rate) / now->velocity;
+        if (record->steps++ == 0) now->contact_speed = fmax(now->committed_rate, 0.0) / now->velocity;
         return 0;
     }
     record->steps = 0;
@@ -80,7 +80,7 @@ static int count_step(model *m, double time) {
     record->validity |= COARSE;
     if (!record->coarse) record->coarse = steps;
     double gain = fabs(now->committed_rate) / (now->contact_speed * now->velocity);
-    if (!(gain > MOST_GAIN)) return 0;
+    if (now->contact_speed == 0.0 || !(gain > MOST_GAIN)) return 0; /* at rest in contact: there is no such velocity */
     return model_error(m, "the communication steps are too long: a contact of %d of them left the bodies with %.3g times the velocity "
                           "of %.3g m/s with which they met; ask for steps below %.2g s", steps, gain, now->contact_speed * now->velocity,
                        steps * time / FEWEST_STEPS);

@@ -309,8 +309,8 @@ def _structure(
 
     def unknown(v: Variable) -> dict[str, str]:
         damped = v.depends_damped.get(kind, ()) if data.curve.stage[0].damped else ()
-        left = version == 3 and kind == "impact" and data.modes.count == 0 and v.name in LEFT
-        by = parameters if left else ()  # FMI 2.0 has no parameters among the knowns of outputs
+        moves = v.variability == "continuous" or (kind == "impact" and v.name in LEFT)
+        by = parameters if version == 3 and moves and data.modes.count == 0 else ()  # FMI 2.0 has no parameters there
         names = (*v.depends.get(kind, ()), *damped, *by)
         return row(v, (name for name in names if exchange or name not in STATES))
 

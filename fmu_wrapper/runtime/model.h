@@ -169,6 +169,9 @@ void model_free(model *m);
 int model_set(model *m, unsigned reference, double value);
 /* The same of a tunable parameter in a running simulation. */
 int model_tune(model *m, unsigned reference, double value);
+/* The same of any parameter but those of the start, between steps of the importer's integrator: rates and outputs are functions of
+ * states, inputs and parameters. Refused, except mass, impedance and gravity, while a contact remembers an indentation. */
+int model_move_parameter(model *m, unsigned reference, double value);
 int model_get(model *m, unsigned reference, double *value);
 /* Let an input of an impact change at a constant rate in the next step of Co-Simulation; its mean moves the impactor.
  * order: of the time derivative; only 1 is known, here and of outputs. */

@@ -139,7 +139,8 @@ class Content:
             functions = formulas.plate_functions(scene, [*paths, *(entry.path for entry in beside)])
             plate = {name: self._named(name, text) for name, text in functions.items()}
         reflected = None
-        if held is None and plate is None and target.structural and target.finite and hasattr(target, "reflection_change"):
+        infinite = held is None and plate is None and target.structural and target.finite
+        if infinite and hasattr(target, "reflection_change"):
             reflected = self._named("reflections", formulas.reflections_function("reflections", scene, paths))
         effects = scene.effects
         return {

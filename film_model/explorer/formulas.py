@@ -309,8 +309,9 @@ def gravity_function(name: str, template: Scene) -> str:
 def plate_functions(template: Scene, paths: Sequence[str]) -> dict[str, str]:
     """Of a plate that may have edges, by what they compute.
 
-    numbers: its mass per area, stiffnesses, and the part of its mass [kg] that moves with the struck point. reflections:
-    of :func:`reflections_function`. inertia: force of vibration over static force on the static compliance [m/N].
+    numbers: its mass per area, stiffnesses, and the part of its mass [kg] that moves with the struck point.
+    reflections: of :func:`reflections_function`. inertia: force of vibration over static force on the static
+    `compliance` [m/N].
     """
     r = Recording()
     target: Any = _target(r, template, paths)
@@ -320,14 +321,14 @@ def plate_functions(template: Scene, paths: Sequence[str]) -> dict[str, str]:
     found = {"numbers": r.function("numbers", "x", outputs)}
     found["reflections"] = reflections_function("reflections", template, paths)
     r = Recording()
-    static = replace(_tried(r, "p", "a", template), given=(math.inf, 0.0, r.symbol("compliance")))
-    static.__dict__["trial"] = Trial(r.symbol("a.status"), _Core(r, "a"))
+    static = _tried(r, "p", "a", template)
+    object.__setattr__(static, "given", (math.inf, 0.0, r.symbol("compliance")))
     outputs = {"ratio": vibration(static, r.symbol("part"))}
     return found | {"inertia": r.function("inertia", "p, a, n, compliance, part", outputs)}
 
 
 def _target(recording: Recording, template: Scene, paths: Sequence[str]) -> AbstractTarget:
-    """The target with symbols for its entries `x`, and for the sides and the struck point of a plate, if it has these."""
+    """The target with symbols for its entries `x`, among them the sides and the struck point of a plate."""
     columns: dict[str, Any] = {**recording.symbols("x", [path for path in paths if path not in PLATE])}
     if PLATE[0] in paths:
         x = recording.symbols("x", PLATE)

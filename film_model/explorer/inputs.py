@@ -56,8 +56,11 @@ MOST_FRICTION, MOST_ROLLING = 1.0, 2.0
 JUDGED = ("work_of_adhesion", "roughness", "fluid_viscosity")
 """Entries of the contact from which effects are estimated that the page does not judge again."""
 
-EMPTY = {"mass": "from the density", "angle": "0", "spin": "0"}
-EMPTY |= dict.fromkeys(PLATE[:2], "infinite") | dict.fromkeys(PLATE[2:], "centre")
+EMPTY = {
+    **{"mass": "from the density", "angle": "0", "spin": "0"},
+    **dict.fromkeys(PLATE[:2], "infinite"),
+    **dict.fromkeys(PLATE[2:], "centre"),
+}
 """What stands in the field of an entry that is missing, if not "none"; "0" for the formulas too."""
 
 MAY_BE_0 = ("drop_height", "velocity", "loss_factor", "angle", "friction", "damping_ratio")

@@ -1,4 +1,5 @@
-"""How a target that is held moves on the page: its static compliance and its natural vibrations, which Python computed.
+"""How a target that is held moves on the page: its static compliance and its natural vibrations, which Python computed;
+of a simply supported plate the page computes them.
 
 The page follows the force on these; what they depend on, the target's geometry and material, cannot change there, but
 those numbers of a plate with which all vibrations scale.

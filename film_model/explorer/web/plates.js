@@ -15,7 +15,7 @@ function sidesOf(scene) {
     const others = { position: !missing(position), edges: !simple, damping_ratio: (scene.values["target.damping_ratio"] ?? null) !== null };
     const needing = Object.entries(others).find(([, given]) => given);
     if (needing) throw new Unsupported(`target.${needing[0]} needs a size: an infinite plate has neither edges nor vibrations`);
-    if (scene.effects.boundary_reflections === true) throw new Unsupported("effects.boundary_reflections is true, but the plate has no size");
+    if (scene.effects.boundary_reflections === true && scene.effects.target_motion !== false) throw new Unsupported("effects.boundary_reflections is true, but the plate has no size");
     return null;
   }
   if (!simple) throw new Unsupported(`a plate with ${scene.edges} edges is not computed on this page: use film-model run`);
@@ -44,8 +44,8 @@ function plateNow(scene) {
 }
 
 /**
- * Whether a plate moves as an infinite one, by its static stiffness, or vibrates, and the effects of its edges; null for other targets.
- * @param {Scene} scene @param {any} n @param {any} law @param {any} support
+ * Whether a plate moves as an infinite one, by its static stiffness, or vibrates, and the effects of its edges.
+ * @param {Scene} scene @param {any} n @param {any} law @param {any} support of plateNow
  * @returns {{moves: "infinite"|"static"|"vibrating", effects: ReturnType<typeof choose>["effects"]}}
  */
 function edgesOfPlate(scene, n, law, support) {

@@ -12,7 +12,7 @@
  * Shares are its square. tests/test_plate_modes.py counts the modes at the centre. */
 #define NODE 1e-10
 
-/* A^2 - 1 below which the difference of the sums of both roots is taken from derivatives at two Gauss nodes between them: their
+/* A^2 - 1 below which the difference of the sums of both roots comes from derivatives at two Gauss nodes between them: their
  * error is 1e-13 there, and the difference would lose as many digits as the roots share. tests/test_static_stiffness.py. */
 #define DOUBLE_ROOT 1e-6
 #define COMPLEX_STEP 1e-8 /* of the derivative */
@@ -60,7 +60,8 @@ int64_t film_plate_modes(const film_plate *plate, double highest, int32_t points
                 frequency[count] = omega;
                 for (int32_t p = 0; p < points; p++) {
                     const double *point = at + 4 * p;
-                    shapes[count * points + p] = wave(i, plate->a, point[0], point[2]) * wave(j, plate->b, point[1], point[3]);
+                    double across_it = wave(j, plate->b, point[1], point[3]);
+                    shapes[count * points + p] = wave(i, plate->a, point[0], point[2]) * across_it;
                 }
             }
             count++;
@@ -96,8 +97,8 @@ static double slope_over_j(double square, double angle) {
     return -sum_over_j((number){p, 0.5 * COMPLEX_STEP * p}, angle).im / (2.0 * COMPLEX_STEP * square);
 }
 
-/* The sum over j of sin^2(j angle/2)/(j^4 + 2 A m j^2 + m^2) by partial fractions: the roots are -j^2 = m (A +- sqrt(A^2 - 1)), and
- * their square roots are sqrt(m) (cosine +- sine), the second of these imaginary if A < 1. */
+/* The sum over j of sin^2(j angle/2)/(j^4 + 2 A m j^2 + m^2) by partial fractions: the roots are -j^2 = m (A +- sqrt(A^2 - 1)),
+ * and their square roots are sqrt(m) (cosine +- sine), the second of these imaginary if A < 1. */
 static double inner_sum(double ratio, double mean, double angle) {
     double off = (ratio - 1.0) * (ratio + 1.0), root = sqrt(mean);
     if (off < DOUBLE_ROOT && off > -COMPLEX_STEP * COMPLEX_STEP) {

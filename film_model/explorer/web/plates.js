@@ -1,8 +1,6 @@
 // Plates of finite size: how they move between their edges, by the rules of film_model/effects/edge_effects.py.
 
-/**
- * Sides and struck point of a plate, m; null without sides. @param {Scene} scene @returns {{size: number[], position: number[]}|null}
- */
+/** Sides and struck point of a plate, m; null without sides. @param {Scene} scene */
 function sidesOf(scene) {
   const of = (/** @type {string} */ name) => [0, 1].map((side) => scene.values[`target.${name}.${side}`] ?? null);
   const [size, position] = [of("size"), of("position")];
@@ -11,11 +9,13 @@ function sidesOf(scene) {
     if (missing(values) === 1) throw new Unsupported(`target.${name} needs both values, along x and along y, or neither`);
   }
   const simple = scene.edges === DATA.edges[0];
+  const { boundary_reflections: reflections, target_motion: motion } = scene.effects;
   if (missing(size)) {
-    const others = { position: !missing(position), edges: !simple, damping_ratio: (scene.values["target.damping_ratio"] ?? null) !== null };
+    const damped = scene.values["target.damping_ratio"] !== null;
+    const others = { position: !missing(position), edges: !simple, damping_ratio: damped };
     const needing = Object.entries(others).find(([, given]) => given);
     if (needing) throw new Unsupported(`target.${needing[0]} needs a size: an infinite plate has neither edges nor vibrations`);
-    if (scene.effects.boundary_reflections === true && scene.effects.target_motion !== false) throw new Unsupported("effects.boundary_reflections is true, but the plate has no size");
+    if (reflections === true && motion !== false) throw new Unsupported("effects.boundary_reflections is true, but the plate has no size");
     return null;
   }
   if (!simple) throw new Unsupported(`a plate with ${scene.edges} edges is not computed on this page: use film-model run`);
@@ -35,10 +35,11 @@ function plateNow(scene) {
   if (CORE.plate.key === key) return CORE.plate;
   const whole = [a, b, mass, d11, mixed, d22, 0];
   const upTo = (/** @type {number} */ highest) => CORE.plateModes(whole, x, y, highest);
+  const { most_computed: limit } = DATA.constants.vibration;
   let [lowest, highest] = [2 ** -20, 2 ** 60];
-  while (CORE.ofPlate(whole, (/** @type {number} */ place) => CORE.c.film_plate_most(place, highest)) > DATA.constants.vibration.most_computed) highest /= 2 ** 0.25;
+  while (CORE.ofPlate(whole, (place) => CORE.c.film_plate_most(place, highest)) > limit) highest /= 2 ** 0.25;
   while (lowest < highest && upTo(lowest).frequency.length === 0) lowest *= 2;
-  const compliance = CORE.ofPlate(whole, (/** @type {number} */ place) => CORE.c.film_plate_compliance(place, x, y));
+  const compliance = CORE.ofPlate(whole, (place) => CORE.c.film_plate_compliance(place, x, y));
   CORE.plate = { key, part, compliance, lowest: upTo(lowest).frequency[0] ?? 0, highest, lacking: null, modes: {}, upTo };
   return CORE.plate;
 }

@@ -7,7 +7,8 @@ const TOO_MANY = -5; // status of a march with too many segments
  * @param {Scene} scene
  */
 function supportNow(scene) {
-  const { support } = scene.base;
+  const { support, plate } = scene.base;
+  if (plate) return plateNow(scene);
   const ratios = Object.entries(support?.scales ?? {}).map(([path, value]) => Number(scene.values[path]) / value);
   if (!ratios.some((ratio) => ratio !== 1)) return support;
   const [thickness, modulus, density] = ratios;
@@ -70,16 +71,17 @@ function feltCompliance(support, fixed, mass) {
  */
 function structureOf(scene, highest, longest, series) {
   const support = supportNow(scene);
-  const { frequency, share } = support.modes;
   const own = scene.values["target.damping_ratio"];
-  const ratio = own === undefined ? support.modes.ratio : frequency.map(() => own);
   const key = `${support.key} ${highest} ${longest} ${series} ${own}`;
   const known = CORE.structures.get(key);
   if (known) return known;
   CORE.tidy();
+  const seen = { ...support, modes: support.upTo?.(highest) ?? support.modes };
+  const { frequency, share } = seen.modes;
+  const ratio = own === undefined ? seen.modes.ratio : frequency.map(() => own ?? 0);
   let count = frequency.length;
   while (count > 0 && frequency[count - 1] > highest) count--;
-  const [omitted, shares] = [omittedFrom(support, count), sharesUpTo(support, count)];
+  const [omitted, shares] = [omittedFrom(seen, count), sharesUpTo(seen, count)];
   const columns = [frequency, share, ratio].map((/** @type {number[]} */ column) => column.slice(0, count));
   if (!series && omitted > 0) {
     const above = DATA.constants.vibration.above * highest;

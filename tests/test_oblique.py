@@ -284,13 +284,15 @@ def test_springs_of_an_impact_and_bad_numbers():
     rng = np.random.default_rng(2)
     force, radius = rng.uniform(0.0, 1.0, 51), np.sqrt(rng.uniform(0.0, 1.0, 51))
     table = np.array([[0.0, 0.3]])
-    one, velocity, friction = core_springs.impact(40, [1.0, 2.0, 1.5], table, 0.05, force, radius, rows=True)
+    one, motion = core_springs.impact(40, [1.0, 2.0, 1.5], table, 0.05, force, radius, rows=True)
+    velocity, friction, stuck = motion.T
+    assert (stuck <= radius).all() and stuck.min() == 0.0
     assert (np.abs(friction[1:]) <= 0.3 * force[1:] * (1.0 + 1e-12)).all() and velocity[0] == 1.5
     assert np.diff(velocity) == pytest.approx(-0.05 * (friction[1:] + friction[:-1]) / 2.0 / 2.0, abs=1e-15)
     assert (one.velocity, one.force, one.step) == (velocity[-1], np.abs(friction).max(), np.abs(friction).argmax())
     assert one.slack == pytest.approx(1.0 - np.abs(friction).sum() / (0.3 * force[1:].sum()), rel=1e-12)
     wide = np.append(radius[::2][:-1], radius.max())  # springs up to the same radius
-    _, coarse, _ = core_springs.impact(20, [1.0, 2.0, 1.5], table, 0.1, force[::2], wide, rows=True)
+    coarse = core_springs.impact(20, [1.0, 2.0, 1.5], table, 0.1, force[::2], wide, rows=True)[1][:, 0]
     assert one.apart >= np.abs(velocity[:-2:2] - coarse[:-1]).max() > 0.0
     for count, bad in ((40, [1.0, 0.0, 1.5]), (0, [1.0, 2.0, 1.5]), (257, [1.0, 2.0, 1.5]), (40, [0.0, 2.0, 1.5])):
         assert core_springs.impact(count, bad, table, 0.05, force, radius)[0] is None

@@ -7,21 +7,15 @@ from functools import lru_cache
 from typing import Any
 
 from film_model.core import modal, native
-from film_model.core.springs import Array, Springs
+from film_model.core.springs import Array, Springs, Watch
 
-_D, _I, _EVENTS = c.c_double, c.c_int32, 32
+_D = c.c_double
 
 
 class Sliding(c.Structure):
-    """film_sliding: springs that slip, and what they have done. phase: place in `film_model.oblique.result.KINDS`, −1
-    without contact. begins, kinds: of phases that began in the last call, after so much of its time."""
+    """film_sliding: springs that slip, what they have done, and the phases that began in the last call."""
 
-    _fields_ = (
-        *((name, _D) for name in ("impulse", "work", "passed")),
-        *(("begins", _D * _EVENTS), ("kinds", _I * _EVENTS)),
-        *((name, _I) for name in ("events", "phase", "sign", "cut", "partly", "reserved")),
-        ("springs", Springs),
-    )
+    _fields_ = (("impulse", _D), ("work", _D), ("watch", Watch), ("springs", Springs))
 
 
 @lru_cache(maxsize=1)

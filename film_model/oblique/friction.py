@@ -29,13 +29,10 @@ from film_model.scene import Scene
 from film_model.scene.friction_table import FrictionTable
 from film_model.scene.rolling import Sliding, sliding_of
 
-STICKS, SLIDES, THROUGHOUT = REGIMES
+*_, THROUGHOUT = REGIMES
 
 SOURCE = "Mindlin 1949; Jäger 1994"
 """Of the theory of friction."""
-
-SLIDING = 1e-6
-"""A contact slides throughout if the impulse of friction lacks less than this share of that at the limit."""
 
 CLOSED = 1e-6
 """Error of the stuck path's beginning, retraced, above which an exact solution has missed an event."""
@@ -149,13 +146,12 @@ def _by_springs(
     runs = [springs.tangential(given, times, force, own) for own in radii]
     first = runs[0]
     moved = np.concatenate([[0.0], np.cumsum(0.5 * (first.velocity[1:] + first.velocity[:-1]) * np.diff(times))])
-    columns = (times, first.velocity, first.force, moved, np.full(times.size, np.nan))
-    motion = dict(zip(MOTION, columns, strict=True))
-    regime = REGIMES[regime_of(scene, given, first.slack)]
+    motion = dict(zip(MOTION, (times, first.velocity, first.force, moved, first.stuck), strict=True))
+    regime = REGIMES[first.regime]
     ends = [run.after for run in runs]
     if given.table is not None and regime == THROUGHOUT:
         ends = [given.table.slid(given.velocity, normal_impulse(scene, problem, rebound, duration) / given.mass)]
-    events = ((0.0, "sticks" if regime == STICKS else "slides"),)
+    events = tuple((time, KINDS[kind]) for time, kind in first.phases)
     error = first.estimated / abs(given.velocity)
     most = int(np.argmax(np.abs(first.force)))
     summary = results(scene, given, rebound, ends[0], (abs(float(first.force[most])), float(times[most])))
@@ -163,12 +159,6 @@ def _by_springs(
     if len(ends) == 1:
         return found
     return replace(found, low=min(ends), high=max(ends))
-
-
-def regime_of(scene: Scene, given: Sliding, slack: Number) -> Any:
-    """Place in `REGIMES` of impacts by springs. slack: of the friction force to its limit, as in the core."""
-    sticks = abs(given.velocity) < given.friction * given.ratio * scene.approach_velocity
-    return either(slack <= SLIDING, 2, either(sticks, 0, 1))
 
 
 def normal_impulse(scene: Scene, problem: Problem, rebound: Number, duration: Number) -> Number:

@@ -84,9 +84,7 @@ class SteppedFriction:
 
     def begun(self, time: float) -> list[tuple[float, str]]:
         """Times, s, and names of the phases that began in the last step. time: at its begin, s."""
-        count = self.core.events
-        times, kinds = self.core.begins[:count], self.core.kinds[:count]
-        return [(time + begin * self._time, KINDS[kind]) for begin, kind in zip(times, kinds, strict=True)]
+        return [(time + begin * self._time, KINDS[kind]) for begin, kind in self.core.watch.phases]
 
     def gain(self, dt: float) -> None:
         """A time, s, in which what acts has acted."""
@@ -107,7 +105,7 @@ class SteppedFriction:
             now.springs.q * self._force,
             impulse,
             work,
-            "free" if now.phase < 0 else KINDS[now.phase],
+            "free" if now.watch.phase < 0 else KINDS[now.watch.phase],
         )
 
     def save(self) -> SavedSliding:

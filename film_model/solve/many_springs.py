@@ -15,7 +15,8 @@ from film_model.core import springs as core
 from film_model.core.friction import COARSE_ERROR
 from film_model.core.records import Lines, recorded, sample_many
 from film_model.oblique import springs
-from film_model.oblique.friction import SLIDING, normal_impulse, radius_in_loading, regime_of, results
+from film_model.oblique.friction import THROUGHOUT, normal_impulse, radius_in_loading, results
+from film_model.oblique.result import REGIMES
 from film_model.problem.problem import Problem
 from film_model.problem.scales import motion_of
 from film_model.scene import DEFAULT_ACCURACY, Solver
@@ -112,7 +113,8 @@ def _followed(
     names, alike = ("modulus", "mass", "velocity"), given.table is not None
     numbers = np.array([column(getattr(given, name), count) for name in names]).T
     pairs = given.pairs if alike else np.stack([np.zeros(count), column(given.friction, count)], axis=1)[:, None]
-    after, peak, when, apart, slack = np.full((5, count), np.nan)
+    after, peak, when, apart = np.full((4, count), np.nan)
+    regime = np.full(count, -1, np.int8)
     left = np.arange(count)
     for level in levels:
         times, force, radius = motions.at(left, 8 * level)
@@ -121,15 +123,15 @@ def _followed(
             run, *_ = core.impact(level, numbers[row].tolist(), pairs if alike else pairs[row], step, f, r)
             if run is not None:
                 after[row], peak[row], apart[row] = run.velocity, run.force, springs.SAFETY * run.apart
-                when[row], slack[row] = t[run.step], run.slack
+                when[row], regime[row] = t[run.step], run.regime
         left = left[apart[left] > tolerance * abs(numbers[left, 2])]
         if left.size == 0:
             break
     if given.table is not None:
         impulse = column(normal_impulse(scene, problem, rebound, motions.durations), count) / numbers[:, 1]
-        for row in np.flatnonzero(slack <= SLIDING).tolist():
+        for row in np.flatnonzero(regime == REGIMES.index(THROUGHOUT)).tolist():
             after[row] = given.table.slid(float(numbers[row, 2]), float(impulse[row]))
     found = results(scene, given, rebound, after, (peak, when))
     summary = {name: column(value, count) for name, value in found.items()}
     with np.errstate(divide="ignore", invalid="ignore"):
-        return after == after, summary, regime_of(scene, given, slack), apart / abs(numbers[:, 2])
+        return after == after, summary, regime, apart / abs(numbers[:, 2])

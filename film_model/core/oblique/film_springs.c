@@ -2,7 +2,15 @@
 #include "oblique/film_springs.h"
 
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
+
+enum {
+    MET = 2,     /* most springs that a slip which spreads slowly meets in a step */
+    PERSISTS = 5 /* steps in which not all slip, before that is a phase: where sliding ends, all stop within less */
+};
+
+static const double SLIDES = 1e-6; /* share of the impulse of friction that may lack to its limit in a contact that slides throughout */
 
 static int positive(double x) { return isfinite(x) && x > 0.0; }
 
@@ -48,10 +56,12 @@ void film_springs_step(film_springs *state, double time, double force, double ra
      * evenly, as the indentation of a sphere does */
     double grown = fmax(square - state->radius * state->radius, 0.0);
     for (int32_t j = old; j < touch; j++) state->u[j] -= moved * fmax(1.0 - (square - width * (j + 0.5) * (j + 0.5)) / grown, 0.0);
-    state->cut = 0;
-    for (int32_t j = 0; state->watched && j < touch; j++) {
+    state->cut = 0, state->stuck = touch;
+    for (int32_t j = touch - 1; state->watched && j >= 0; j--) {
         double r = j + 0.5, most = (square - width * r * r) * per_share, u = state->u[j] + moved;
-        state->cut += (u > most) - (u < -most);
+        int side = (u > most) - (u < -most);
+        state->cut += side;
+        if (side != 0) state->stuck = j;
     }
     for (int32_t j = 0; j < touch; j++) { /* comparisons that compilers turn into vectors; sums apart, in order */
         double r = j + 0.5, most = (square - width * r * r) * per_share, u = state->u[j] + moved;
@@ -66,6 +76,36 @@ void film_springs_step(film_springs *state, double time, double force, double ra
 }
 
 int32_t film_springs_touching(const film_springs *state) { return touching(state, state->radius); }
+
+static void begin_phase(film_watch *watch, int phase, double ago) {
+    if (phase == watch->phase && phase != FILM_REVERSES) return;
+    watch->phase = phase == FILM_REVERSES ? FILM_SLIPS : phase;
+    if (phase < 0 || watch->events == FILM_MOST_PHASES) return;
+    watch->begins[watch->events] = fmax(watch->passed - ago, 0.0);
+    watch->kinds[watch->events++] = phase;
+}
+
+/* No spring slips: all stick, unless the contact shrinks, in which slip only changes its sign; a slip that spreads slowly has steps in
+ * which no spring is met. The first phase of a contact begins with the step, a later one in its middle. */
+void film_springs_watch(film_watch *watch, const film_springs *s, double radius, double h) {
+    int cut = abs(s->cut), sign = s->cut > 0 ? 1 : -1, before = watch->cut;
+    double ago = watch->phase < 0 ? h : 0.5 * h;
+    watch->passed += h;
+    watch->cut = cut;
+    if (!(s->radius > 0.5 * s->width)) {
+        begin_phase(watch, -1, 0.0);
+    } else if (cut == 0) {
+        if (s->radius > radius) begin_phase(watch, FILM_STICKS, ago);
+        else if (before > MET) watch->sign = -watch->sign, begin_phase(watch, FILM_REVERSES, ago);
+    } else {
+        int whole = cut >= film_springs_touching(s), turns = sign != watch->sign && watch->phase >= FILM_SLIPS;
+        int partly = watch->phase == FILM_SLIDES && !whole && !turns;
+        watch->partly = partly ? watch->partly + 1 : 0;
+        watch->sign = sign;
+        if (partly && watch->partly < PERSISTS) return;
+        begin_phase(watch, whole ? FILM_SLIDES : turns ? FILM_REVERSES : FILM_SLIPS, ago + fmax(watch->partly - 1.0, 0.0) * h);
+    }
+}
 
 double film_springs_energy(const film_springs *state) {
     double sum = 0.0;
@@ -85,22 +125,37 @@ void film_springs_take(film_springs *state, double time, const double *table, in
     if (rows > 0) state->friction = film_friction_at(table, rows, fabs(state->v + time * (state->push - state->q / state->mass)));
 }
 
+/* The regime, by which a contact that slides throughout has no other phase. */
+static void judge(film_springs_impact_result *result) {
+    film_watch *watch = &result->watch;
+    int32_t kept = 0;
+    result->regime = watch->kinds[0] == FILM_SLIDES ? FILM_SLIDES_FIRST : FILM_STICKS_FIRST;
+    if (result->slack > SLIDES) return;
+    result->regime = FILM_SLIDES_THROUGHOUT;
+    for (int32_t k = 0; k < watch->events; k++)
+        if (watch->kinds[k] == FILM_SLIDES) watch->begins[kept] = watch->begins[k], watch->kinds[kept++] = FILM_SLIDES;
+    if (kept == 0) watch->begins[kept] = 0.0, watch->kinds[kept++] = FILM_SLIDES;
+    watch->events = kept;
+}
+
 int film_springs_impact(int32_t count, double modulus, double mass, double velocity, const double *friction, int32_t rows, double time,
                         int64_t steps, const double *force, const double *radius, film_springs_impact_result *result,
-                        double *velocities, double *forces) {
+                        double *motion) {
     film_springs fine, coarse;
     double largest = 0.0, limits = 0.0, used = 0.0;
     for (int64_t i = 0; i <= steps; i++) largest = fmax(largest, radius[i]);
-    *result = (film_springs_impact_result){.velocity = velocity};
+    *result = (film_springs_impact_result){.velocity = velocity, .watch = {.phase = -1}};
     if (film_springs_init(&fine, count, modulus, largest, friction[1], mass, velocity) != FILM_OK) return FILM_BAD_NUMBER;
     if (film_springs_init(&coarse, count / 2, modulus, largest, friction[1], mass, velocity) != FILM_OK) return FILM_BAD_NUMBER;
-    if (velocities) velocities[0] = velocity, forces[0] = 0.0;
+    if (motion) motion[0] = velocity, motion[1] = motion[2] = 0.0;
     for (int64_t i = 1; i <= steps; i++) {
         film_springs_take(&fine, time, friction, rows);
+        fine.watched = motion != NULL || result->watch.events == 0;
         film_springs_step(&fine, time, force[i], radius[i]);
+        if (fine.watched) film_springs_watch(&result->watch, &fine, radius[i - 1], time);
         if (fabs(fine.q) > result->force) result->force = fabs(fine.q), result->step = i;
         limits += fine.friction * force[i], used += fabs(fine.q);
-        if (velocities) velocities[i] = fine.v, forces[i] = fine.q;
+        if (motion) motion[3 * i] = fine.v, motion[3 * i + 1] = fine.q, motion[3 * i + 2] = fmin(fine.stuck * fine.width, fine.radius);
         if (i % 2 != 0) continue;
         film_springs_take(&coarse, 2.0 * time, friction, rows);
         film_springs_step(&coarse, 2.0 * time, force[i], radius[i]);
@@ -108,6 +163,7 @@ int film_springs_impact(int32_t count, double modulus, double mass, double veloc
     }
     result->velocity = fine.v;
     result->slack = limits > 0.0 ? 1.0 - used / limits : 0.0;
+    judge(result);
     return isfinite(fine.v + result->apart) ? FILM_OK : FILM_BAD_NUMBER;
 }
 

@@ -32,7 +32,7 @@ SOURCES = (
     *platforms.MODES,
     *ONE_IMPACT,
     *platforms.RELAXING,
-    *platforms.core("oblique", "friction", "friction_step", "friction_many", "radii"),
+    *platforms.core("oblique", "friction", "friction_step", "friction_many"),
     *platforms.SLIDING,
     *platforms.core("chain", "chain"),
 )

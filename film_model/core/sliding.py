@@ -22,7 +22,7 @@ class Sliding(c.Structure):
 def _library() -> Any:
     """The core's library, with the functions of film_slide.h declared."""
     lib, pointer = native.library(), c.c_void_p
-    lib.film_slide_init.argtypes = [pointer, _D, _D, _D]
+    lib.film_slide_init.argtypes = [pointer, pointer, _D, _D, _D]
     lib.film_slide_init.restype = c.c_int
     lib.film_slide.argtypes = [pointer, pointer, pointer, _D, pointer, c.c_int32, pointer]
     lib.film_slide.restype = c.c_int
@@ -34,10 +34,10 @@ def _library() -> Any:
     return lib
 
 
-def begin(friction: float, mass: float, velocity: float) -> Sliding:
+def begin(curve: native.Curve, friction: float, mass: float, velocity: float) -> Sliding:
     """The start of a motion. Raises ValueError for numbers out of range."""
     made = Sliding()
-    if _library().film_slide_init(c.byref(made), friction, mass, velocity) != native.OK:
+    if _library().film_slide_init(c.byref(made), c.byref(curve), friction, mass, velocity) != native.OK:
         raise ValueError(f"the core refuses friction {friction!r}, mass {mass!r}, velocity {velocity!r}")
     return made
 

@@ -25,7 +25,7 @@ class Watch(c.Structure):
     that began, after so much of the time that has passed."""
 
     _fields_ = (
-        *(("passed", _D), ("begins", _D * _PHASES), ("kinds", _I * _PHASES)),
+        *(("passed", _D), ("waited", _D), ("begins", _D * _PHASES), ("kinds", _I * _PHASES)),
         *((name, _I) for name in ("events", "phase", "sign", "cut", "partly", "reserved")),
     )
 
@@ -39,8 +39,8 @@ class Springs(c.Structure):
     """film_springs: springs at one moment; v: sliding velocity, q: friction force, push: other acceleration."""
 
     _fields_ = (
-        [(name, _D) for name in ("stiffness", "width", "friction", "mass", "v", "q", "push", "radius")]
-        + [("u", _D * MOST)]
+        [(name, _D) for name in ("stiffness", "width", "power", "friction", "mass", "v", "q", "push", "radius")]
+        + [("u", _D * MOST), ("reach", _D * MOST)]
         + [(name, _I) for name in ("count", "stuck", "watched", "cut")]
     )
 
@@ -62,8 +62,10 @@ def _library() -> Any:
     """The core's library, with the functions of film_springs.h declared."""
     lib, pointer, i64 = native.library(), c.c_void_p, c.c_int64
     signatures: dict[str, tuple[list[Any], Any]] = {
-        "film_springs_impact": ([_I, *[_D] * 3, pointer, _I, _D, i64, *[pointer] * 4], c.c_int),
+        "film_springs_impact": ([_I, *[_D] * 4, pointer, _I, _D, i64, *[pointer] * 4], c.c_int),
         "film_springs_radii": ([i64, *[pointer] * 3, _D, pointer, pointer], None),
+        "film_springs_power": ([pointer], _D),
+        "film_springs_slopes": ([pointer, i64, *[pointer] * 3], None),
         "film_springs_energy": ([pointer], _D),
         "film_springs_size": ([], i64),
     }
@@ -87,8 +89,8 @@ def impact(
     """An impact in an even number of steps of a time, and over it the sliding velocity, the friction force and the
     radius inside which all sticks, (times, 3), empty without `rows`; no impact for numbers out of range.
 
-    numbers: modulus, mass and velocity. friction: pairs of speed and coefficient, (pairs, 2). force, radius: before the
-    first step and after each.
+    numbers: modulus, power, mass and velocity. friction: pairs of speed and coefficient, (pairs, 2). force, radius:
+    before the first step and after each.
     """
     friction, force, radius = (np.ascontiguousarray(values, np.float64) for values in (friction, force, radius))
     found, motion = Impact(), np.empty((force.size if rows else 0, 3))
@@ -105,3 +107,17 @@ def radii(force: Array, depth: Array, law: Array, modulus: float) -> tuple[Array
     at = [array.ctypes.data for array in (force, depth, law, first, second)]
     _library().film_springs_radii(force.size, *at[:3], modulus, *at[3:])
     return first, second
+
+
+def power(curve: native.Curve) -> float:
+    """The power of the contact radius with which the depth of the law grows, as in film_springs.h."""
+    return _library().film_springs_power(c.byref(curve))
+
+
+def slopes(curve: native.Curve, force: Array, depth: Array) -> Array:
+    """The slope of the force of a reversible law, over its scales, at recorded forces and depths over theirs."""
+    force, depth = (np.ascontiguousarray(values, np.float64) for values in (force, depth))
+    slope = np.empty(force.shape)
+    at = [array.ctypes.data for array in (force, depth, slope)]
+    _library().film_springs_slopes(c.byref(curve), force.size, *at)
+    return slope

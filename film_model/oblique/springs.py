@@ -16,7 +16,7 @@ from film_model.scene.rolling import Sliding
 SPRINGS = 256
 STEPS = 2048
 
-SAFETY = 2.0
+SAFETY = 3.0
 """Of the largest difference to half as many springs and steps at any time, as an estimate of the error."""
 
 LEVELS = (64, 128, SPRINGS)
@@ -39,10 +39,11 @@ class Run(NamedTuple):
     phases: list[tuple[float, int]]
 
 
-def tangential(given: Sliding, times: Array, force: Array, radius: Array) -> Run:
-    """The tangential motion over evenly spaced times, s. force: F ≥ 0, N. radius: of the contact, m; both 0 without
-    contact. Raises SimulationError for numbers out of range."""
-    numbers = float(given.modulus), float(given.mass), float(given.velocity)
+def tangential(given: Sliding, power: float, times: Array, force: Array, radius: Array) -> Run:
+    """The tangential motion over evenly spaced times, s. power: of the contact radius with which the depth grows.
+    force: F ≥ 0, N. radius: of the contact, m; both 0 without contact. Raises SimulationError for numbers out of
+    range."""
+    numbers = float(given.modulus), power, float(given.mass), float(given.velocity)
     found, motion = core.impact(SPRINGS, numbers, given.pairs, float(times[1]), force, radius, rows=True)
     if found is None:
         raise SimulationError("friction: a number is out of the range of the springs")

@@ -64,14 +64,14 @@ class SteppedFriction:
         self._along, self._spin = float(given.along), float(given.impactor.spin)
         self._velocity = float(given.ratio) * scales.velocity
         self.table: Array = np.empty((0, 2)) if given.table is None else given.pairs / (self._velocity, 1.0)
-        self._force, self._time = scales.force, scales.time
+        self._force, self._time, self._curve = scales.force, scales.time, problem.curve.native
         self._mass = 1.0 / float(given.parameter * scene.effective_mass)
         self.begin()
 
     def begin(self) -> None:
         """Return to the start."""
         sliding = float(self._given.velocity) / self._velocity
-        self.core = core.begin(float(self._given.friction), self._mass, sliding)
+        self.core = core.begin(self._curve, float(self._given.friction), self._mass, sliding)
         self._pushes, self._gained = Pushes(), (0.0, 0.0)
 
     def push(self, pushes: Pushes) -> None:

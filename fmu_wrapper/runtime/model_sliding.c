@@ -15,7 +15,8 @@ int sliding_begin(model *m) {
     now->tangential_support = value[TANGENTIAL_SUPPORT_VELOCITY];
     now->pushed = now->turned = 0.0;
     double velocity = value[INITIAL_TANGENTIAL_VELOCITY] + own->lever * value[INITIAL_SPIN] - now->tangential_support;
-    int status = film_slide_init(&now->sliding, value[FRICTION], own->ratio / (1.0 + 1.0 / own->inertia), velocity / velocity_unit(m));
+    double mass = own->ratio / (1.0 + 1.0 / own->inertia);
+    int status = film_slide_init(&now->sliding, m->curve, value[FRICTION], mass, velocity / velocity_unit(m));
     if (status < 0) return model_core_error(m, status);
     sliding_input(m);
     return 0;

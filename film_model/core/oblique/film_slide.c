@@ -16,11 +16,8 @@ typedef struct {
 
 static grip grip_of(const film_curve *curve, const film_state *state) {
     grip now = {fmax(state->force, 0.0), 0.0};
-    film_state still = *state;
     if (state->branch == FILM_FREE) return (grip){0.0, 0.0};
-    still.damper = 0.0;
-    now.slope = fmax(film_force(curve, &still, state->xi, 0.0).by_xi, 0.0);
-    now.slope /= 1.0 - curve->compliance * now.slope; /* film_force has that of both in series */
+    now.slope = film_contact_slope(curve, &state->line, state->xi);
     if (!(now.force > 0.0 && now.slope > 0.0)) now.force = now.slope = 0.0;
     return now;
 }
@@ -48,9 +45,9 @@ static int follow(const film_curve *curve, const film_mesh *mesh, film_state *st
     return status < 0 ? status : FILM_OK;
 }
 
-int film_slide_init(film_sliding *sliding, double friction, double mass, double velocity) {
+int film_slide_init(film_sliding *sliding, const film_curve *curve, double friction, double mass, double velocity) {
     memset(sliding, 0, sizeof *sliding);
-    int status = film_springs_init(&sliding->springs, FILM_MOST_SPRINGS, 0.125, 1.0, friction, mass, velocity);
+    int status = film_springs_init(&sliding->springs, FILM_MOST_SPRINGS, 0.125, 1.0, film_springs_power(curve), friction, mass, velocity);
     sliding->springs.watched = 1;
     sliding->watch.phase = -1;
     return status;

@@ -21,7 +21,7 @@ typedef struct {
 } film_sliding;
 
 /* At the start of a motion: mass and velocity as above. FILM_OK or FILM_BAD_NUMBER. */
-FILM_API int film_slide_init(film_sliding *sliding, double friction, double mass, double velocity);
+FILM_API int film_slide_init(film_sliding *sliding, const film_curve *curve, double friction, double mass, double velocity);
 
 /* From a state of the normal motion on by dt, in which only its end may be an event: FILM_OK, FILM_TOO_MANY steps, or what
  * film_step fails with. friction, rows: as in film_springs.h; 0 rows: that of film_slide_init. */

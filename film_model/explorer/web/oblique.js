@@ -92,7 +92,7 @@ function phasesAt(view, at, layout, count, unit) {
  * @param {number} duration @param {(times: Float64Array) => {values: Float64Array}} sample
  */
 function frictionOfSprings(scene, n, problem, given, duration, sample) {
-  const { p, law } = problem;
+  const { p, law, curve } = problem;
   const { springs, steps, safety } = DATA.constants.friction;
   const time = Float64Array.from({ length: steps + 1 }, (_, k) => (k === steps ? duration : k * (duration / steps)));
   const { values } = sample(time.map((t) => t / p.time));
@@ -101,8 +101,9 @@ function frictionOfSprings(scene, n, problem, given, duration, sample) {
   const force = Float64Array.from(normal, (row) => Math.max(row.contact_force, 0));
   const depth = Float64Array.from(normal, (row) => row.indentation);
   const radii = law.dissipates ? radiiBeyondYield(force, depth, force.map((F, k) => FORMULAS.contactRadius(p, n, F, depth[k]).radius), n.effective_modulus)
-    : [force.map((F, k) => (F > 0 ? Math.sqrt(n.effective_radius * Math.max(depth[k], 0)) : 0))];
-  const runs = radii.map((radius) => followSprings(springs, given, time, force, radius));
+    : [elasticRadii(curve, p, force, depth, n.effective_modulus)];
+  const power = CORE.c.film_springs_power(curve);
+  const runs = radii.map((radius) => followSprings(springs, { ...given, power }, time, force, radius));
   const [{ velocity, friction, largest, step, apart, regime, events }] = runs;
   const ends = runs.map((run) => run.velocity[steps]);
   return {
@@ -117,6 +118,17 @@ function frictionOfSprings(scene, n, problem, given, duration, sample) {
   };
 }
 
+/** Contact radii of a reversible law, F′/(2 E*). @param {number} curve @param {any} p @param {Float64Array} force @param {Float64Array} depth @param {number} modulus */
+function elasticRadii(curve, p, force, depth, modulus) {
+  const { top, c } = CORE;
+  const given = [force.map((F) => F / p.force), depth.map((d) => d / p.length)].map((column) => CORE.numbersAt(Array.from(column)));
+  const found = CORE.allocate(8 * force.length);
+  c.film_springs_slopes(curve, BigInt(force.length), ...given, found);
+  const radii = new Float64Array(c.memory.buffer, found, force.length).map((slope) => (slope * (p.force / p.length)) / (2 * modulus));
+  CORE.top = top;
+  return radii;
+}
+
 /** Contact radii of a contact that yields, by two models. @param {Float64Array} force @param {Float64Array} depth @param {Float64Array} law @param {number} modulus */
 function radiiBeyondYield(force, depth, law, modulus) {
   const { top, c } = CORE;
@@ -129,13 +141,13 @@ function radiiBeyondYield(force, depth, law, modulus) {
 }
 
 /** Sliding velocity and friction force at the times, and what the core says of them. @param {number} count @param {any} given @param {Float64Array} time @param {Float64Array} force @param {Float64Array} radius */
-function followSprings(count, { modulus, friction, mass, velocity }, time, force, radius) {
+function followSprings(count, { modulus, power, friction, mass, velocity }, time, force, radius) {
   const { layout: { springs, watch }, top, c } = CORE;
   const steps = time.length - 1;
   const result = CORE.allocate(springs.size);
   const columns = [force, radius].map((column) => CORE.numbersAt(Array.from(column)));
   const found = CORE.allocate(24 * time.length);
-  const status = c.film_springs_impact(count, modulus, mass, velocity, CORE.numbersAt([0, friction]), 1, time[1] - time[0], BigInt(steps), ...columns, result, found);
+  const status = c.film_springs_impact(count, modulus, power, mass, velocity, CORE.numbersAt([0, friction]), 1, time[1] - time[0], BigInt(steps), ...columns, result, found);
   if (status !== 0) throw new Failure(status);
   const rows = new Float64Array(c.memory.buffer, found, 3 * time.length);
   const [v, q] = [0, 1].map((which) => time.map((_, k) => rows[3 * k + which]));

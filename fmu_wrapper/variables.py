@@ -209,25 +209,11 @@ VARIABLES: tuple[Variable, ...] = (
     ),
     _segments("loading_segments", "linear force segments in each loading stage"),
     _segments("unloading_segments", "linear force segments in unloading; the core uses more if contact ends slowly"),
-    Variable(
-        "external_force",
-        Real,
-        "force",
-        {"impact": "input"},
-        "continuous",
-        "force on the impactor other than gravity and contact force",
-    ),
-    Variable(
-        "support_velocity",
-        Real,
-        "velocity",
-        {"impact": "input"},
-        "continuous",
-        "velocity of the target's support",
-    ),
     *(
         Variable(name, Real, dimension, {"impact": "input"}, "continuous", description)
         for name, dimension, description in (
+            ("external_force", "force", "force on the impactor other than gravity and contact force"),
+            ("support_velocity", "velocity", "velocity of the target's support"),
             ("tangential_force", "force", "force on the impactor's centre along the surface"),
             ("torque", "torque", "torque on the impactor, in the direction of positive spin"),
             ("tangential_support_velocity", "velocity", "velocity of the target along the surface"),

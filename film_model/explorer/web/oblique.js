@@ -21,7 +21,7 @@ function obliqueOf(scene, n, problem, summary, duration, sample) {
   if (Number.isNaN(summary.rebound_velocity)) throw new Unsupported("friction needs a contact that ends");
   const found =
     given.friction === 0 ? frictionless(given)
-    : exactFriction(given, problem) ?? frictionOfSprings(scene, n, problem, given, duration, sample);
+    : exactFriction(given, problem) ?? frictionOfSprings(scene, n, problem, given, summary.rebound_velocity, duration, sample);
   const { regimes } = DATA.constants.friction;
   return {
     summary: FORMULAS[along.oblique](x, summary.rebound_velocity, found.after, ...found.peak),
@@ -89,9 +89,9 @@ function phasesAt(view, at, layout, count, unit) {
 /**
  * By springs beside each other that slip, under two models of the stiffness along the surface if the law yields.
  * @param {Scene} scene @param {any} n @param {Problem} problem @param {any} given
- * @param {number} duration @param {(times: Float64Array) => {values: Float64Array}} sample
+ * @param {number} rebound m/s @param {number} duration @param {(times: Float64Array) => {values: Float64Array}} sample
  */
-function frictionOfSprings(scene, n, problem, given, duration, sample) {
+function frictionOfSprings(scene, n, problem, given, rebound, duration, sample) {
   const { p, law, curve } = problem;
   const { springs, steps, safety } = DATA.constants.friction;
   const time = Float64Array.from({ length: steps + 1 }, (_, k) => (k === steps ? duration : k * (duration / steps)));
@@ -105,7 +105,9 @@ function frictionOfSprings(scene, n, problem, given, duration, sample) {
   const power = CORE.c.film_springs_power(curve);
   const runs = radii.map((radius) => followSprings(springs, { ...given, power }, time, force, radius));
   const [{ velocity, friction, largest, step, apart, regime, events }] = runs;
-  const ends = runs.map((run) => run.velocity[steps]);
+  const impulse = n.mass * (n.speed - rebound) + p.load * p.force * duration; // of the normal force
+  const slid = given.velocity - (Math.sign(given.velocity) * given.friction * impulse) / given.mass;
+  const ends = regime === 2 ? [slid] : runs.map((run) => run.velocity[steps]);
   return {
     after: ends[0],
     peak: [largest, time[step]],

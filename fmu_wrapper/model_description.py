@@ -21,19 +21,21 @@ from fmu_wrapper.variables import (
     KINDS,
     LEFT,
     PHASES,
+    SLIDINGS,
     STATES,
     VARIABLES,
     EventKind,
     Kind,
     Phase,
     Real,
+    Sliding,
     Variable,
     Whole,
     reference,
 )
 
 FmiVersion = Literal[2, 3]
-ITEMS = {Phase: PHASES, EventKind: EVENT_KINDS}
+ITEMS = {Phase: PHASES, EventKind: EVENT_KINDS, Sliding: SLIDINGS}
 _NOT_IN_XML = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 LOG_CATEGORIES = {
     "logStatusError": "the cause of an error, and what was expected",

@@ -40,7 +40,7 @@ MODES = (
     *core("modal", "modal_contact", "modal_flight"),
 )
 RELAXING = core("relax", "relax", "relax_step")
-SLIDING = core("oblique", "springs", "slide")
+SLIDING = core("oblique", "radii", "springs", "slide")
 SOURCES = (
     *MARCH,
     *MODES,

@@ -166,7 +166,7 @@ def test_on_a_beam_that_vibrates(psi):
     found, before = history.oblique, history.oblique.motion["sliding_velocity"][0]
     error = found.estimated * before
     exact = found.summary["contact_point_rebound_velocity"]
-    assert component.sliding.sliding_velocity == pytest.approx(exact, abs=error) and error < 2e-3 * before
+    assert component.sliding.sliding_velocity == pytest.approx(exact, abs=error) and error < 3e-3 * before
     assert component.sliding.friction_work == pytest.approx(found.summary["friction_work"], rel=2e-3)
     assert component.outputs.contact_count > 1
     plain = fm.ImpactComponent(on.replace({"contact.friction": None}), accuracy=1e-5)

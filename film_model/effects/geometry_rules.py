@@ -128,9 +128,11 @@ def obliqueness(case: Case, rule: Rule) -> Effect:
     Without friction the change is the range of the ball's tangential velocity for friction coefficients from 0 to 1,
     over its speed before: friction's impulse is at most µ times the normal one, m (1 + e) V cos α, and at most that
     which throws the contact point back, m_t v (1 + β), with the largest share β that an elastic contact gives back. The
-    normal impact is unchanged by friction if both bodies are elastically similar.
+    normal impact is unchanged by friction if both bodies are elastically similar. How a contact will slide is said
+    without damping only: a damping force lets more friction through from first touch on.
     """
-    return oblique(case.scene, rule, case.restitution, case.tolerance)
+    scene, damps = case.scene, case.problem.damps and case.scene.contact.friction is not None
+    return oblique(scene, rule, None if damps else case.restitution, case.tolerance)
 
 
 def oblique(scene: Scene, rule: Rule, restitution: float | None, tolerance: float) -> Effect:

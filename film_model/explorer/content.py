@@ -276,7 +276,8 @@ def layout() -> dict[str, Any]:
         "solution": native.Solution,
     }
     structures |= {"modal": modal.Modal, "modal_start": modal.Start, "modal_summary": modal.Summary}
-    structures |= {"normal": friction.Normal, "friction": friction.Result, "springs": springs.Impact}
+    structures |= {"normal": friction.Normal, "friction": friction.Result}
+    structures |= {"springs": springs.Impact, "watch": springs.Watch}
     structures |= {"modal_segment": modal.Segment, "modal_event": modal.Event}
     found: dict[str, Any] = {
         name: {field[0]: getattr(kind, field[0]).offset for field in kind._fields_} | {"size": size_of(kind)}

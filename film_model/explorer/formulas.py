@@ -29,7 +29,7 @@ from film_model.laws.damping import loss_restitution
 from film_model.laws.example_ball import example_ball
 from film_model.laws.law import AbstractLaw, Stage
 from film_model.laws.yielding import yield_velocity
-from film_model.oblique.friction import exact_error, numbers_of, regime_of, results
+from film_model.oblique.friction import exact_error, numbers_of, results
 from film_model.problem.curve import Curve
 from film_model.problem.families import EDGES, varying
 from film_model.problem.fit import functions_of
@@ -351,9 +351,8 @@ def reflections_function(name: str, template: Scene, paths: Sequence[str]) -> st
 def friction_functions(template: Scene, paths: Sequence[str]) -> dict[str, str]:
     """Of an impact with friction, from its entries `x`, by what they compute.
 
-    sliding: what friction depends on besides the normal motion `p`. regime: its number, from the `slack` of friction.
-    oblique: the results, from the normal rebound, the sliding velocity after, the
-    largest friction force and its time.
+    sliding: what friction depends on besides the normal motion `p`. oblique: the results, from the normal rebound, the
+    sliding velocity after, the largest friction force and its time.
     """
     r, scene, given = _slides(template, paths)
     problem = _problem(r, "p", template)
@@ -362,8 +361,6 @@ def friction_functions(template: Scene, paths: Sequence[str]) -> dict[str, str]:
     outputs = {name: getattr(given, name) for name in names} | {"spin": scene.impactor.spin, "rate": rate}
     outputs |= {"before": before, "error": exact_error(problem, before)}
     found = {"sliding": r.function("sliding", "x, p", outputs)}
-    r, scene, given = _slides(template, paths)
-    found["regime"] = r.function("regime", "x, slack", {"regime": regime_of(scene, given, r.symbol("slack"))})
     r, scene, given = _slides(template, paths)
     rebound, after, *peak = (r.symbol(name) for name in ("rebound", "after", "force", "time"))
     outputs = results(scene, given, rebound, after, (peak[0], peak[1]))

@@ -123,6 +123,8 @@ typedef struct {
     double tangential_support;                   /* the input in use, m/s */
     double pushed, turned;                       /* integrals of tangential_force and torque, N s and N m s */
     film_sliding sliding;                        /* motion along the surface, of an FMU with friction */
+    double sliding_time;                         /* when its latest phase began, s; and what and how many */
+    int32_t sliding_event, sliding_events;
     film_state state;                            /* on a vibrating target (time in s), and of viscoelastic bodies: as the state
                                                     beside this memory, with the motion now */
     model_record actual, reported; /* after the latest event; as outputs show it, until the next model_report */

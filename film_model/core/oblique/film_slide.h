@@ -12,17 +12,17 @@
 #include "oblique/film_springs.h"
 
 enum {
-    FILM_MOST_SLIDE_STEPS = 1000000, /* in one call */
+    FILM_MOST_SLIDE_STEPS = 1000000, /* since the caller set `steps` to 0: a second */
     FILM_SLIDE_EVENTS = 32           /* in one call; later ones are left out */
 };
 
 /* No pointer: copying it saves it. impulse: of the friction force. work: done on the motion along the surface
  * by that force, what the springs store included. phase: of FILM_STICKS .. FILM_SLIDES in film_friction.h, or -1 without contact.
  * begins, kinds: of the `events` phases that began in the last call, after so much of its time; FILM_REVERSES is slip with another
- * sign. */
+ * sign. steps: work since the caller set it to 0, which is limited. */
 typedef struct {
     double impulse, work, passed, begins[FILM_SLIDE_EVENTS];
-    int32_t kinds[FILM_SLIDE_EVENTS], events, phase, sign, cut, partly, reserved;
+    int32_t kinds[FILM_SLIDE_EVENTS], events, phase, sign, cut, partly, steps;
     film_springs springs;
 } film_sliding;
 

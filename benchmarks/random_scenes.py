@@ -120,7 +120,7 @@ def _compared(scene: fm.Scene) -> Iterator[tuple[str, str]]:
     """What is wrong with a scene, as a kind and a text. One impact serves several checks, and so does the sweep, over
     the velocities of `tests.FACTORS` or, if the target vibrates, over that of the scene alone."""
     tests, swept = _tests(), list[tuple[Any, float]]()
-    one, single = _timed(lambda: simulate_quietly(scene))
+    one, single = _timed(lambda: _simulated(scene))
 
     def sweep(*given: Any) -> Any:
         swept.append(_timed(lambda: fd.sweep(*given)))
@@ -140,6 +140,13 @@ def _compared(scene: fm.Scene) -> Iterator[tuple[str, str]]:
             yield "slow", f"{what} takes {seconds:.1f} s"
     if spent > max(COSTLY * single, FEW):
         yield "costly", f"an impact of a sweep takes {spent:.3f} s, alone {single:.3f} s"
+
+
+def _simulated(scene: fm.Scene) -> fm.History:
+    """As `fm.simulate`, which judges the effects for its warnings."""
+    history = simulate_quietly(scene)
+    assert all(history.warnings)
+    return history
 
 
 def _sliding(one: Any, swept: Any, row: int) -> Iterator[str]:

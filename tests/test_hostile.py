@@ -59,9 +59,9 @@ def ends(text: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """A scene is refused in a few sentences, or its results are finite; its work on modes is bounded."""
     works, run = list[int](), vibration.run
 
-    def counted(*arguments: Any) -> Any:
+    def counted(*given: Any, **named: Any) -> Any:
         works.append(0)
-        found = run(*arguments)
+        found = run(*given, **named)
         works[-1] = found.work
         return found
 

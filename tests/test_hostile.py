@@ -48,6 +48,15 @@ def test_one_and_many_agree_on_scenes_that_once_were_wrong(path: Path) -> None:
     assert disagreements(fm.Scene.from_toml(path)) == []
 
 
+def test_the_estimate_of_friction_counts_a_force_that_jumps_within_a_step() -> None:
+    scene = fm.Scene.from_toml(CORPUS / "scenes" / "jump_51255.toml")
+    one, name = fm.simulate(scene).oblique, "contact_point_rebound_velocity"
+    many = fm.simulate_batch(scene, velocity=[f"{scene.impactor.velocity!r} m/s"]).oblique
+    assert one is not None and many is not None
+    off = abs(float(many[name][0]) - one.summary[name]) / abs(float(one.motion["sliding_velocity"][0]))
+    assert off <= one.estimated + float(many["estimated_error"][0])
+
+
 @pytest.mark.parametrize("path", TEXTS, ids=lambda path: path.name)
 def test_a_hostile_text_is_refused(path: Path) -> None:
     with pytest.raises((fm.SceneError, OSError)) as caught:

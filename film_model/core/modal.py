@@ -17,7 +17,7 @@ from film_model.core.native import Curve, Line, State
 Array = NDArray[np.float64]
 
 LEVELS = 40
-MODES_OF_A_STEP, MOST_WORK = 200, 160_000_000
+MODES_OF_A_STEP, MOST_WORK = 200, 120_000_000
 """The core's limit of an impact: FILM_MOST_WORK over modes + FILM_MODES_OF_A_STEP is the largest number of steps."""
 
 MOST_MEMORY = 256 * 2**20

@@ -14,7 +14,8 @@ _D, _I, _EVENTS = c.c_double, c.c_int32, 32
 
 class Sliding(c.Structure):
     """film_sliding: springs that slip, and what they have done. phase: place in `film_model.oblique.result.KINDS`, −1
-    without contact. begins, kinds: of phases that began in the last call, after so much of its time. steps: work since the caller set it to 0, which the core limits."""
+    without contact. begins, kinds: of phases that began in the last call, after so much of its time.
+    steps: work since the caller set it to 0, which the core limits."""
 
     _fields_ = (
         *((name, _D) for name in ("impulse", "work", "passed")),

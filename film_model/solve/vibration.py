@@ -221,6 +221,7 @@ def _refined(
     def follow(upto: float, tolerance: float) -> Vibration:
         return run(problem, modes(upto), tolerance, limit, recorded=False)
 
+    modes(2.0 * highest)  # TooManyModes before a run
     runs = [follow(highest, REFINED * tolerance)]
     tolerance = max(tolerance * _step_share(problem, runs[0], modes(highest)), TIGHTEST)
     while math.isinf(most) and _swiftness(problem, runs[0], modes(2.0 * highest)) > FOLLOWED * 2.0 * highest:

@@ -141,8 +141,10 @@ def _shapes(space: Array) -> tuple[Array, Array]:
 
 
 def _joined(space: Array, bent: Array, rows: Array, highest: float, more: int) -> Array:
-    """The shapes with ∫f″² up to `highest`, and `more` functions for the lowest polynomials of the space. bent, rows: of
-    `_shapes`."""
+    """The shapes with ∫f″² up to `highest`, and `more` functions for the lowest polynomials of the space.
+
+    bent, rows: of `_shapes`.
+    """
     among = bent <= highest * (1 + 1e-9)
     taken, rest = rows[among], rows[~among]
     if more == 0:

@@ -4,9 +4,9 @@
 
 Each scene (the generator of tests/test_one_and_many.py: every law and kind of target; a tenth is put on a structure of
 random vibrations, a third is oblique with friction) is simulated alone, in a batch and in a sweep, and stepped; on a
-target that vibrates alone and in a sweep. Reported are exceptions other than SceneError and SimulationError, differences
-beyond the estimates, runs of more than `SLOW` seconds of CPU, and impacts of sweeps that cost `COSTLY` times as much as
-alone. All scenes share one process; datasets stay in memory, their files have tests of their own.
+target that vibrates alone and in a sweep. Reported are exceptions other than SceneError and SimulationError,
+differences beyond the estimates, runs of more than `SLOW` seconds of CPU, and impacts of sweeps that cost `COSTLY`
+times as much as alone. All scenes share one process; datasets stay in memory, their files have tests of their own.
 FILE has a line of JSON for each finding and each scene that is done; run again with it, the script goes on from there.
 `python -m benchmarks.random_scenes FILE --only 4711` repeats one scene and prints it.
 """

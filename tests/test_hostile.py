@@ -48,6 +48,12 @@ def test_one_and_many_agree_on_scenes_that_once_were_wrong(path: Path) -> None:
     assert disagreements(fm.Scene.from_toml(path)) == []
 
 
+def test_effects_are_judged_or_said_to_be_unknown() -> None:
+    for name in ("loaded_54960", "wide_55668"):
+        history = simulate_quietly(fm.Scene.from_toml(CORPUS / "scenes" / f"{name}.toml"))
+        assert all(effect.reason for effect in history.effects)
+
+
 def test_the_estimate_of_friction_counts_a_force_that_jumps_within_a_step() -> None:
     scene = fm.Scene.from_toml(CORPUS / "scenes" / "jump_51255.toml")
     one, name = fm.simulate(scene).oblique, "contact_point_rebound_velocity"

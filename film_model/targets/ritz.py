@@ -38,6 +38,9 @@ Errors of the highest frequency are then up to 1e-3, 2e-3 and 4e-3; below half o
 MOST_STRIPS = 1e9
 """Largest sum of the cubes of the numbers of polynomials of all half-waves: their vibrations take 0.4 s."""
 
+WORK_OF_A_STRIP = 5e5
+"""What each half-wave adds to that sum, however few its polynomials."""
+
 MOST_DEGREE = 128
 """Highest degree of the polynomials across a strip: rounding spoils those of higher degree. Shapes of a beam replace
 them, `SHAPES` times the degree, 1.6 times as many as the half-waves: frequencies then have errors as in `SHARPNESS`."""
@@ -145,7 +148,7 @@ def _strips(panel: Panel, points: Points, highest: float) -> list[tuple[Array, A
     wave = wave[np.abs(np.sin(wave * points[0][0])) > NODE]
     places, orders = np.split(np.array([(*point, 0.0, 0.0)[:4] for point in points]).T, 2)
     degree, groups = _degrees(panel, wave, highest), 2 if _symmetric(panel, 1) else 1
-    if float(np.sum((degree / groups) ** 3)) > MOST_STRIPS:
+    if float(np.sum((degree / groups) ** 3 + WORK_OF_A_STRIP)) > MOST_STRIPS:
         raise TooManyModes(
             f"the vibrations of this plate need {wave.size} half-waves along one side, each with up to "
             f"{degree.max()} polynomials across, which takes too long: set boundary_reflections = false in [effects]"

@@ -82,7 +82,7 @@ def on_few(law, tolerance, mass="0.2 kg", velocity="1 m/s", highest=1e5):
 
 @pytest.mark.parametrize("law", ["hertz", "tsuji"])
 def test_a_time_limit_within_a_step_counts_the_work_and_the_force_up_to_it(law):
-    problem = problem_of(struck(FEW, "12 mm", "1 m/s", law, "0.2 kg"))
+    problem = problem_of(struck(FEW, "12 mm", "1 m/s", LAWS[law], "0.2 kg"))
     structure = structures.structure_of(FEW, 1e5, problem.scales.time)
     for limit in np.linspace(0.05, 0.2, 7) * vibration.run(problem, structure, 1e-8, 1.0).summary.contact_duration:
         ends = [vibration.run(problem, structure, each, limit * problem.scales.time) for each in (1e-8, 1e-10)]

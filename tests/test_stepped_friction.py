@@ -190,6 +190,6 @@ def test_the_work_of_a_step_is_bounded():
     """A ball under its weight bounces for ever: after a million steps of friction its step is refused."""
     given = scene("hertz").replace({"effects.gravity": True, "impactor.velocity": "1 mm/s"})
     component = fm.ImpactComponent(given)
-    with pytest.raises(fm.SimulationError, match="ask for .* a shorter step"):
+    with pytest.raises(fm.SimulationError, match="shorter step"):
         component.step(1e3)
     component.step(1e-6)  # each step has its own work

@@ -227,7 +227,7 @@ class _Room:
         return segments, self.events[: at.event_count * EVENT_DTYPE.itemsize], self.flights[: at.flight_count]
 
 
-def impact(tables: Tables, curve: Curve, start: Start, expected: int = _ROOM, recorded: bool = True) -> Impact:
+def impact(tables: Tables, curve: Curve, start: Start, expected: int = 0, recorded: bool = True) -> Impact:
     """One impact, with its record or, in less time, without. native.TOO_MANY: its record would need more than
     `MOST_MEMORY`. expected: number of segments for which there is room at once, which saves time if they are many."""
     with tables.lock:

@@ -186,7 +186,7 @@ def vibrate(
         most = structures.computable(target, tried[-1] / 2.0**0.5, unit, UNRESOLVED * first)
         found, estimated = _refined(problem, modes, limit, (most / 4.0, most), accuracy, warnings)
     if recorded:
-        found = _recorded(found)
+        found = _recorded(problem, found)
     own = _target_error(problem, target, modes(found.highest / 2.0), found, accuracy)
     if estimated <= accuracy < estimated + own:
         warnings.append(
@@ -248,9 +248,10 @@ def _refined(
         tolerance = max(tolerance / REFINED, TIGHTEST)
 
 
-def _recorded(found: Vibration) -> Vibration:
+def _recorded(problem: Problem, found: Vibration) -> Vibration:
     """The same run with its record: most runs are compared only, and recording takes as long as the steps."""
     again = modal.impact(found.tables, found.curve, found.start, int(found.summary.lines))
+    _check(again.status, problem, found.tables)
     return replace(found, segments=again.segments, flights=again.flights, met=again.events)
 
 
@@ -311,9 +312,7 @@ def run(
         problem.approach, problem.load, rest, problem.mass, scales.time, problem.damping, tolerance, limit
     )
     found = modal.impact(tables, curve, start, recorded=recorded)
-    if found.status == native.TOO_MANY:
-        raise CoreError(f"law {problem.law.name}: {_too_many_steps(problem, tables)}", found.status)
-    raise_failure(found.status, problem)
+    _check(found.status, problem, tables)
     core = found.summary.core
     for name in ("time_of_maximum_indentation", "time_impactor_stops", "contact_duration"):
         setattr(core, name, getattr(core, name) / scales.time)
@@ -332,6 +331,13 @@ def run(
         contacts=found.summary.contacts,
         waited=bool(found.summary.waited),
     )
+
+
+def _check(status: int, problem: Problem, tables: modal.Tables) -> None:
+    """Raise for a run that failed."""
+    if status == native.TOO_MANY:
+        raise CoreError(f"law {problem.law.name}: {_too_many_steps(problem, tables)}", status)
+    raise_failure(status, problem)
 
 
 def _too_many_steps(problem: Problem, tables: modal.Tables) -> str:

@@ -98,8 +98,6 @@ int film_springs_impact(int32_t count, double modulus, double mass, double veloc
     for (int64_t i = 1; i <= steps; i++) {
         film_springs_take(&fine, time, friction, rows);
         film_springs_step(&fine, time, force[i], radius[i]);
-        double jump = 0.5 * time * fine.friction * fabs(force[i] - force[i - 1]) / mass;
-        result->apart = fmax(result->apart, jump);
         if (fabs(fine.q) > result->force) result->force = fabs(fine.q), result->step = i;
         limits += fine.friction * force[i], used += fabs(fine.q);
         if (velocities) velocities[i] = fine.v, forces[i] = fine.q;

@@ -36,9 +36,8 @@ FILM_API double film_friction_at(const double *table, int32_t rows, double speed
 FILM_API void film_springs_take(film_springs *state, double time, const double *table, int32_t rows);
 
 /* One impact: velocity at the end; force, step: largest |q|, and after how many steps; apart: largest difference of the velocity, at
- * any time, to that of half as many springs in half as many steps, and at least what a jump of the normal force may change that
- * falls anywhere in a step; slack: what the friction force lacks to its limit, a share of the impulses; 0 if the contact slides
- * throughout. */
+ * any time, to that of half as many springs in half as many steps; slack: what the friction force lacks to its limit, a share of the
+ * impulses; 0 if the contact slides throughout. */
 typedef struct {
     double velocity, force, apart, slack;
     int64_t step;

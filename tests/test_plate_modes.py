@@ -273,9 +273,9 @@ def test_mistakes_of_supports(options, message):
 
 
 def test_too_many_functions_are_refused_with_a_sentence():
-    with pytest.raises(fm.SimulationError, match="functions that interact, but at most 1500 are allowed"):
+    with pytest.raises(fm.SimulationError, match="functions that interact, but at most 1200 are allowed"):
         panel_modes(panel("CCCC"), (0.4, 0.3), 2e5)
-    with pytest.raises(fm.SimulationError, match="half-waves along one side, but at most 400 are allowed"):
+    with pytest.raises(fm.SimulationError, match="half-waves along one side, but at most 320 are allowed"):
         panel_modes(panel("CCCC"), (0.4, 0.3), 1e12)
     with pytest.raises(fm.SimulationError, match="half-waves along one side, each with up to"):
         panel_modes(panel("SSCF"), (0.4, 0.3), 1e7)

@@ -184,3 +184,12 @@ def test_pushes_without_friction_are_refused():
     plain = fm.ImpactComponent(scene().replace({"contact.friction": None}))
     with pytest.raises(ValueError, match=r"need contact\.friction"):
         plain.step(1e-6, torque="1 N m")
+
+
+def test_the_work_of_a_step_is_bounded():
+    """A ball under its weight bounces for ever: after a million steps of friction its step is refused."""
+    given = scene("hertz").replace({"effects.gravity": True, "impactor.velocity": "1 mm/s"})
+    component = fm.ImpactComponent(given)
+    with pytest.raises(fm.SimulationError, match="shorter step"):
+        component.step(1e3)
+    component.step(1e-6)  # each step has its own work

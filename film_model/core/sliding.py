@@ -9,13 +9,14 @@ from typing import Any
 from film_model.core import modal, native
 from film_model.core.springs import Array, Springs, Watch
 
-_D = c.c_double
+_D, _I = c.c_double, c.c_int32
 
 
 class Sliding(c.Structure):
-    """film_sliding: springs that slip, what they have done, and the phases that began in the last call."""
+    """film_sliding: springs that slip, what they have done, and the phases that began in the last call. steps: work
+    since the caller set it to 0, which the core limits."""
 
-    _fields_ = (("impulse", _D), ("work", _D), ("watch", Watch), ("springs", Springs))
+    _fields_ = (("impulse", _D), ("work", _D), ("watch", Watch), ("steps", _I), ("reserved", _I), ("springs", Springs))
 
 
 @lru_cache(maxsize=1)

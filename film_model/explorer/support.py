@@ -50,7 +50,7 @@ MOST_COMPUTED = 10_000
 """Bound on the number of modes that the page computes itself: 56 MB for their tables."""
 
 LIVE_WORK = modal.MOST_WORK / 2
-"""Limit of a run on the page, about a second: steps times (number of modes + 100)."""
+"""Limit of the runs of an impact on the page, about a second: steps times (modes + `modal.MODES_OF_A_STEP`)."""
 
 LIVE = ("target.material.yield_strength",)
 """Entries of such a target that may change: its vibrations do not depend on them."""
@@ -110,7 +110,7 @@ def data(choice: Choice) -> tuple[dict[str, Any] | None, str]:
     if not vibrates:
         return found, ""
     asked = choice.scene.solver.accuracy or DEFAULT_ACCURACY
-    own = vibrate(choice.problem, target, asked, [])[0]
+    own = vibrate(choice.problem, target, asked, [], recorded=False)[0]
     whole = isinstance(target, Structure)  # all of its vibrations are known
     modes = structures.made(target, ALL, own.unit) if whole else _modes_above(target, own.highest, own.unit)
     if modes.tables.count > MOST_MODES:
@@ -145,6 +145,7 @@ def constants() -> dict[str, float]:
         "longest": LONGEST,
         "equal": EQUAL,
         "most_computed": MOST_COMPUTED,
+        "modes_of_a_step": modal.MODES_OF_A_STEP,
         "most_work": LIVE_WORK,
         "refined": REFINED,
         "slow": SLOW,

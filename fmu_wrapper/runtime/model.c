@@ -309,6 +309,7 @@ static int impact_step(model *m, double end, int stop_at_events, int *stopped) {
     if (apply_inputs(m) < 0) return -1;
     if (!isfinite((end - now->start_time) / clock)) return model_error(m, "a step to %g s is too long", end);
     if (vibrates(m)) modes_renew_work(m);
+    now->sliding.steps = 0;
     int most = slides(m) ? MAX_SLIDING_EVENTS : MAX_STEP_EVENTS;
     for (int events = 0;;) {
         double before = state->time, left = fmax((end - now->start_time) / clock - before, 0.0);

@@ -38,6 +38,13 @@ static double steps_for(const film_sliding *sliding, grip now, double dt) {
     return ceil(dt / fmin(LONGEST, OF_A_PERIOD / rate));
 }
 
+/* Whether so many steps are still allowed. */
+static int spend(film_sliding *sliding, double count) {
+    int allowed = count <= FILM_MOST_SLIDE_STEPS - sliding->steps;
+    if (allowed) sliding->steps += (int32_t)count;
+    return allowed;
+}
+
 static int follow(const film_curve *curve, const film_mesh *mesh, film_state *state, double time) {
     int status = FILM_EVENT;
     for (int k = 0; status == FILM_EVENT && k < MOST_EVENTS_A_STEP; k++)
@@ -63,7 +70,7 @@ int film_slide(const film_curve *curve, const film_mesh *mesh, const film_state 
         return FILM_OK;
     }
     double count = steps_for(sliding, grip_of(curve, &state), dt);
-    if (!(count <= FILM_MOST_SLIDE_STEPS)) return FILM_TOO_MANY;
+    if (!spend(sliding, count)) return FILM_TOO_MANY;
     for (double k = 1.0; k <= count; k += 1.0) {
         int status = follow(curve, mesh, &state, from->time + dt * (k / count));
         if (status < 0) return status;
@@ -81,7 +88,7 @@ static int slide_step(const film_structure *structure, const film_curve *curve, 
         return FILM_OK;
     }
     double count = steps_for(sliding, grip_of(curve, &step.contact), dt);
-    if (!(count <= FILM_MOST_SLIDE_STEPS)) return FILM_TOO_MANY;
+    if (!spend(sliding, count)) return FILM_TOO_MANY;
     for (double k = 1.0; k <= count; k += 1.0) {
         step.tau = begin + time * (k / count);
         film_modal_motion(structure, curve, &step, waves, values);

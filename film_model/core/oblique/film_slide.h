@@ -10,13 +10,15 @@
 #include "modal/film_modal.h"
 #include "oblique/film_springs.h"
 
-enum { FILM_MOST_SLIDE_STEPS = 1000000 }; /* in one call */
+enum { FILM_MOST_SLIDE_STEPS = 1000000 }; /* since the caller set `steps` to 0: a second */
 
 /* No pointer: copying it saves it. impulse: of the friction force. work: done on the motion along the surface
- * by that force, what the springs store included. watch: of the phases, its events of the last call and after so much of its time. */
+ * by that force, what the springs store included. watch: of the phases, its events of the last call and after so much of its time.
+ * steps: work since the caller set it to 0, which is limited. */
 typedef struct {
     double impulse, work;
     film_watch watch;
+    int32_t steps, reserved;
     film_springs springs;
 } film_sliding;
 

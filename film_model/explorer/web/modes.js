@@ -206,7 +206,9 @@ function vibrate(scene, problem) {
   if (highest < rule.unresolved * first) throw new Unsupported("too few natural vibrations of the target are on this page for so short a contact");
   const follow = (/** @type {number} */ tolerance, upTo = highest) => followed(scene, problem, upTo, tolerance, limit);
   let tolerance = Math.max(accuracy * rule.step, rule.tightest);
+  const workOf = (/** @type {any} */ { core, structure }) => core.lines * (structure.count + rule.modes_of_a_step);
   let coarse = follow(rule.refined * tolerance);
+  let spent = workOf(coarse);
   /** @type {Record<string, number>|null} */
   let before = null;
   tolerance = Math.max(tolerance * stepShare(problem, coarse), rule.tightest);
@@ -226,7 +228,8 @@ function vibrate(scene, problem) {
       return { ...followed(scene, problem, coarse.highest, coarse.tolerance, limit), error, warning: unreached(accuracy, coarse) };
     }
     const changes = differencesOf(problem, coarse.core, fine.core);
-    const last = 2 * highest > most || 4 * fine.core.lines * (fine.structure.count + 100) > rule.most_work;
+    spent += workOf(fine);
+    const last = 2 * highest > most || spent + 4 * workOf(fine) > rule.most_work;
     if (before === null && last) { // the difference to fewer modes than those of the first run is known quickly
       before = differencesOf(problem, follow(rule.refined ** 2 * tolerance, highest / 4).core, coarse.core);
       fine = follow(tolerance); // whose record was overwritten

@@ -25,15 +25,17 @@ from fmu_wrapper import platforms
 
 CORE = platforms.CORE
 ONE_IMPACT = (*platforms.core("march", "marched", "compare", "solve"), *platforms.core("modal", "modal_impact"))
+PLATES = platforms.core("modal", "plate")
 SOURCES = (
     *platforms.MARCH,
     *platforms.core("tables", "tables", "gauss", "way_in", "way_out", "way_through"),
     *platforms.core("lanes", "lanes", "avx2", "avx512"),
     *platforms.core("batch", "batch", "batch_shape", "impact", "in_series", "many", "single"),
     *platforms.MODES,
+    *PLATES,
     *ONE_IMPACT,
     *platforms.RELAXING,
-    *platforms.core("oblique", "friction", "friction_step", "friction_many", "radii"),
+    *platforms.core("oblique", "friction", "friction_step", "friction_many"),
     *platforms.SLIDING,
     *platforms.core("chain", "chain", "chain_step", "chain_events"),
 )
@@ -43,7 +45,7 @@ SHARED = ("-shared",) if sys.platform == "win32" else ("-shared", "-fPIC")
 LINK = () if sys.platform == "win32" else ("-lm",)
 WASM = "film_model/explorer/_film_core.wasm"
 FRICTION = platforms.core("oblique", "friction", "friction_step", "springs", "radii")
-WASM_SOURCES = (*platforms.MARCH, *platforms.MODES, *ONE_IMPACT, *FRICTION)
+WASM_SOURCES = (*platforms.MARCH, *platforms.MODES, *PLATES, *ONE_IMPACT, *FRICTION)
 WASM_FLAGS = (
     *("-target", "wasm32-wasi", "-mexec-model=reactor", *FLAGS, "-Os", "-s", f"-I{CORE}"),
     *("-Wl,--export-dynamic", "-Wl,--export=__heap_base"),

@@ -56,8 +56,9 @@ def export(
 
     kind: "impact" contains the impactor with its mass; "contact" is the force element alone. They are for
     Co-Simulation and, except on targets that vibrate or have a static stiffness and for viscoelastic bodies, Model
-    Exchange. initial_gap: "5 mm". platform: names from `fmu_wrapper.platforms.PLATFORMS`, or "all"; this machine's
-    binary is the package's, others need ziglang. The default is all where ziglang is installed, else this machine.
+    Exchange. initial_gap: "5 mm". platform: names from `fmu_wrapper.platforms.PLATFORMS`, or "all", which
+    leaves out "wasm32-wasi", for browsers; this machine's binary is the package's, others need ziglang. The default is
+    all where ziglang is installed, else this machine.
     with_sources: for importers that compile; C names begin with the model identifier, so that several FMUs link
     into one program. name: of the model, from which the identifier is made too; the default is the scene's title.
 
@@ -101,15 +102,16 @@ def export(
 
 def _binaries(platform: str | Sequence[str] | None) -> dict[str, bytes]:
     """Binaries by platform: this machine's from the package, others compiled or from the cache."""
-    own, everywhere = platforms.this_platform(), tuple(platforms.PLATFORMS)
+    own, everywhere = platforms.this_platform(), platforms.EVERYWHERE
     if platform is None:
         platform = (own, *everywhere) if platforms.can_cross_compile() else own
     names = list(dict.fromkeys([platform] if isinstance(platform, str) else platform))
     if names == ["all"]:
         names = list(everywhere)
-    unknown = [name for name in names if name not in (own, *everywhere)]
+    unknown = [name for name in names if name not in (own, *platforms.PLATFORMS)]
     if unknown or not names:
-        raise ValueError(f"platform: {', '.join(unknown) or 'none'} is not allowed: all or {', '.join(everywhere)}")
+        allowed = ", ".join(platforms.PLATFORMS)
+        raise ValueError(f"platform: {', '.join(unknown) or 'none'} is not allowed: all or {allowed}")
     found = platforms.cross_compiled([name for name in names if name != own])
     if own in names:
         library = platforms.ROOT / platforms.built_library()

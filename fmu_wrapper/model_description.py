@@ -21,19 +21,21 @@ from fmu_wrapper.variables import (
     KINDS,
     LEFT,
     PHASES,
+    SLIDINGS,
     STATES,
     VARIABLES,
     EventKind,
     Kind,
     Phase,
     Real,
+    Sliding,
     Variable,
     Whole,
     reference,
 )
 
 FmiVersion = Literal[2, 3]
-ITEMS = {Phase: PHASES, EventKind: EVENT_KINDS}
+ITEMS = {Phase: PHASES, EventKind: EVENT_KINDS, Sliding: SLIDINGS}
 _NOT_IN_XML = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 LOG_CATEGORIES = {
     "logStatusError": "the cause of an error, and what was expected",
@@ -309,8 +311,8 @@ def _structure(
 
     def unknown(v: Variable) -> dict[str, str]:
         damped = v.depends_damped.get(kind, ()) if data.curve.stage[0].damped else ()
-        left = version == 3 and kind == "impact" and data.modes.count == 0 and v.name in LEFT
-        by = parameters if left else ()  # FMI 2.0 has no parameters among the knowns of outputs
+        moves = v.variability == "continuous" or (kind == "impact" and v.name in LEFT)
+        by = parameters if version == 3 and moves and data.modes.count == 0 else ()  # FMI 2.0 has no parameters there
         names = (*v.depends.get(kind, ()), *damped, *by)
         return row(v, (name for name in names if exchange or name not in STATES))
 

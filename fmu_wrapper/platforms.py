@@ -40,7 +40,7 @@ MODES = (
     *core("modal", "modal_contact", "modal_flight"),
 )
 RELAXING = core("relax", "relax", "relax_step")
-SLIDING = core("oblique", "springs", "slide")
+SLIDING = core("oblique", "radii", "springs", "slide")
 SOURCES = (
     *MARCH,
     *MODES,
@@ -95,7 +95,11 @@ PLATFORMS: dict[str, Platform] = {
     "x86_64-windows": Platform("win64", "x86_64-windows", "x86_64-windows-gnu", ".dll"),
     "x86_64-darwin": Platform("darwin64", "x86_64-darwin", "x86_64-macos.11.0", ".dylib"),
     "aarch64-darwin": Platform("aarch64-darwin", "aarch64-darwin", "aarch64-macos.11.0", ".dylib"),
+    "wasm32-wasi": Platform("wasm32-wasi", "wasm32-wasi", "wasm32-wasi", ".wasm"),
 }
+EVERYWHERE = tuple(name for name in PLATFORMS if name != "wasm32-wasi")
+"""Those that importers load: all but WebAssembly, which is for browsers."""
+FOR_BROWSERS = ("-mexec-model=reactor", *(f"-Wl,--export{what}" for what in ("-dynamic", "=malloc", "=free")))
 
 
 def this_platform() -> str:
@@ -211,8 +215,9 @@ def cross_compile(name: str) -> bytes:
     platform = PLATFORMS[name]
     with tempfile.TemporaryDirectory() as folder:
         built = Path(folder, "film_fmu" + platform.suffix)
-        command = [sys.executable, "-m", "ziglang", "cc", *FLAGS, "-s", "-shared", "-target", platform.target]
-        run(name, [*command, *linked(built.name), *arguments(ROOT), "-o", str(built)])
+        command = [sys.executable, "-m", "ziglang", "cc", *FLAGS, "-s", "-target", platform.target]
+        link = FOR_BROWSERS if name not in EVERYWHERE else ("-shared", *linked(built.name))
+        run(name, [*command, *link, *arguments(ROOT), "-o", str(built)])
         return built.read_bytes()
 
 

@@ -19,8 +19,8 @@ RIGID = 1e30
 LEAST_RESTITUTION = 0.01
 """Smallest coefficient of restitution that can be set after export."""
 
-Real, Whole, Phase, EventKind = "Real", "Whole", "Phase", "EventKind"
-"""Types of variables: real number, whole number, and two enumerations."""
+Real, Whole, Phase, EventKind, Sliding = "Real", "Whole", "Phase", "EventKind", "Sliding"
+"""Types of variables: real number, whole number, and three enumerations."""
 
 PHASES = {
     "approaching": "no contact yet",
@@ -39,6 +39,13 @@ EVENT_KINDS = {
     "contact_ends": "the contact force decreases to zero and the bodies separate",
     "reloading_begins": "indentation stops decreasing",
 }
+SLIDINGS = {
+    "free": "no contact",
+    "sticks": "the whole contact sticks",
+    "slips": "its rim slips, its middle sticks",
+    "slip_reverses": "it slips with another sign; as an event only, then it slips",
+    "slides": "the whole contact slides",
+}
 """Items of the enumerations in the order of the core's codes, which are their values."""
 
 TUNABLE = ("gravity", "friction", "damping", "dissipation_time", "hysteresis_damping", "restitution")
@@ -53,7 +60,7 @@ Co-Simulation; with events; with the events of a contact, at whose beginning the
 class Variable:
     """One variable. Its index in `VARIABLES` is its value reference; those of sensors follow these.
 
-    type: one of the four. dimension: of `film_model.base.units`, None for whole numbers and enumerations. causality: by
+    type: one of the five. dimension: of `film_model.base.units`, None for whole numbers and enumerations. causality: by
     kind of FMU; kinds that do not have the variable are left out. low, high: range of values that may be set, or that
     an output can have (none for energies that are differences, since rounding may pass it, for forces and ends of
     contacts that adhere, and for times, which the importer may begin below zero). rate_of: the state whose time
@@ -202,25 +209,11 @@ VARIABLES: tuple[Variable, ...] = (
     ),
     _segments("loading_segments", "linear force segments in each loading stage"),
     _segments("unloading_segments", "linear force segments in unloading; the core uses more if contact ends slowly"),
-    Variable(
-        "external_force",
-        Real,
-        "force",
-        {"impact": "input"},
-        "continuous",
-        "force on the impactor other than gravity and contact force",
-    ),
-    Variable(
-        "support_velocity",
-        Real,
-        "velocity",
-        {"impact": "input"},
-        "continuous",
-        "velocity of the target's support",
-    ),
     *(
         Variable(name, Real, dimension, {"impact": "input"}, "continuous", description)
         for name, dimension, description in (
+            ("external_force", "force", "force on the impactor other than gravity and contact force"),
+            ("support_velocity", "velocity", "velocity of the target's support"),
             ("tangential_force", "force", "force on the impactor's centre along the surface"),
             ("torque", "torque", "torque on the impactor, in the direction of positive spin"),
             ("tangential_support_velocity", "velocity", "velocity of the target along the surface"),
@@ -293,6 +286,10 @@ VARIABLES: tuple[Variable, ...] = (
             ("friction_work", "energy", "energy that friction has dissipated", None),
         )
     ),
+    _discrete("sliding", Sliding, None, "how the contact slides", changes="at_steps"),
+    _discrete("sliding_event_count", Whole, None, "number of phases of sliding so far", low=0, changes="at_steps"),
+    _discrete("last_sliding_event", Sliding, None, "the latest phase of sliding that began", changes="at_steps"),
+    _discrete("time_of_last_sliding_event", Real, "time", "when it began; 0 before the first", changes="at_steps"),
     _discrete("phase", Phase, None, "phase of the motion", *_BOTH),
     _discrete(
         *("stage", Whole, None, "stage of the contact law from 0; -1 unloading, -2 no contact", *_BOTH),
@@ -372,6 +369,7 @@ OF_FRICTION = (
     *("friction", "initial_tangential_velocity", "initial_spin"),
     *("tangential_force", "torque", "tangential_support_velocity"),
     *("sliding_velocity", "tangential_velocity", "spin", "friction_force", "tangential_impulse", "friction_work"),
+    *("sliding", "sliding_event_count", "last_sliding_event", "time_of_last_sliding_event"),
 )
 """Variables of FMUs with friction only."""
 

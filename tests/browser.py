@@ -10,7 +10,8 @@ import pytest
 from law_cases import CONTACTS, scene_text
 
 from film_model.explorer import page as page_module
-from film_model.explorer.content import SWITCHES, Content
+from film_model.explorer.content import EDGES, SWITCHES, Content
+from film_model.explorer.inputs import PLATE
 from film_model.explorer.page import examples, page
 from film_model.scene import Scene
 
@@ -54,6 +55,9 @@ OFTEN = {"ball-on-beam": 4} | {name: often for name, (often, _) in BEYOND.items(
 USUAL = 100
 """How often the other scenes are drawn."""
 
+OF_PLATES = (*PLATE, "target.damping_ratio")
+"""Entries of plates that go together."""
+
 MATERIALS = ("youngs_modulus", "density", "yield_strength", "poissons_ratio")
 
 
@@ -94,6 +98,8 @@ def _address(table, base, chance, as_given):
     found = {"scene": base["name"]}
     for entry in base["inputs"]:
         name, (low, high), value = entry["path"].rsplit(".", 1)[1], entry["slider"], entry["value"]
+        if entry["path"] in OF_PLATES:
+            continue
         if as_given or chance.random() < 0.4 or (value is None and chance.random() < 0.7) or name == "D12":
             continue
         if name in MATERIALS and value is not None:
@@ -112,13 +118,31 @@ def _address(table, base, chance, as_given):
             98 if switch == "rate_hardening" else 3
         )  # most scenes refuse it, as their materials have no rate law
         found[switch] = chance.choice([*["auto"] * automatic, "true", "false"])
-    vibrates = base["support"] is not None and base["support"]["modes"]
+    sides = {} if as_given or not base["plate"] else _sides(base, random.Random(urlencode(found)))
+    found |= sides
+    vibrates = sides or (base["support"] is not None and base["support"]["modes"])
     found["accuracy"] = chance.choice(["0.0001", "0.001", *([] if vibrates else ["0.000001", "1e-8"])])
     if chance.random() < 0.2:
         found |= {"linearisation": "chord", "accuracy": "0.001"}
     asked = ["true"] if base["kind"] == "half-space" else []  # other targets refuse it
     found[SWITCHES[-1]] = random.Random(urlencode(found)).choice(["auto", "auto", "auto", "false", *asked])
     return urlencode(found)
+
+
+def _sides(base, chance):
+    """Now and then size, place and damping of a plate; of one that is given with sides, in most scenes."""
+    entries = {entry["path"]: entry for entry in base["inputs"]}
+    if chance.random() > (0.03 if entries[PLATE[0]]["value"] is None else 0.7):
+        return {}
+    middle = chance.random() < 0.3
+    found = {path: _between(*entries[path]["slider"], True, chance) for path in PLATE[:2]}
+    for size, place in () if middle else zip(PLATE[:2], PLATE[2:], strict=True):
+        found[place] = repr(float(found[size]) * chance.uniform(0.02, 0.98))
+    if chance.random() < 0.3:
+        found["target.damping_ratio"] = repr(chance.uniform(0.0, 0.2))
+    for switch in EDGES:
+        found[switch] = chance.choice(["auto", "auto", "auto", "true", "false"])
+    return found
 
 
 def _between(low, high, logarithmic, chance):

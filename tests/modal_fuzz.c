@@ -5,6 +5,7 @@
  *     cc -std=c99 -O2 -ffp-contract=off -I film_model/core tests/modal_fuzz.c $(find film_model/core -name 'film_*.c') -lm -o modal_fuzz
  *     ./modal_fuzz 2000
  */
+#include "modal/film_plate.h"
 #include "modal/film_modal_parts.h"
 
 #include <math.h>
@@ -178,6 +179,29 @@ static void check_tables(void) {
     }
 }
 
+/* The modes of a plate: within their bound and the room, without nodes at the struck point, and softer than all of it. */
+static void check_plates(void) {
+    static double frequency[1000], shapes[2000];
+    for (int k = 0; k < 200; k++) {
+        film_plate plate = {spread(1e-2, 10.0), spread(1e-2, 10.0), spread(0.1, 10.0), spread(1e-2, 1e2), 0.0, spread(1e-2, 1e2), 0.0};
+        plate.mixed = (uniform() < 0.5 ? 1.0 : 3.0 * uniform() - 0.9) * sqrt(plate.d11 * plate.d22);
+        double at[8] = {uniform() * plate.a, uniform() * plate.b, 0.0, 0.0, plate.a / 2.0, plate.b / 2.0, 2.0, 0.0};
+        double highest = spread(1.0, 1e4), compliance = film_plate_compliance(&plate, at[0], at[1]), sum = 0.0;
+        if (film_plate_most(&plate, highest) > 1e5) continue;
+        int64_t room = (int64_t)(1000 * uniform()), count = film_plate_modes(&plate, highest, 2, at, room, frequency, shapes);
+        if (!(count >= 0 && (double)count <= film_plate_most(&plate, highest))) fail("more modes of a plate than the bound");
+        for (int64_t i = 0; i < count && i < room; i++) {
+            if (!(frequency[i] > 0.0 && frequency[i] <= highest) || shapes[2 * i] == 0.0) fail("a mode of a plate that does not belong");
+            sum += 4.0 * shapes[2 * i] * shapes[2 * i] / (plate.mass * plate.a * plate.b * frequency[i] * frequency[i]);
+        }
+        if (!(sum <= compliance * (1.0 + 1e-6))) fail("the modes of a plate are softer than the plate");
+    }
+    film_plate plate = {1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 0.0};
+    double at[4] = {0.5, 0.5, 0.0, 0.0};
+    if (film_plate_modes(&plate, 1e9, 1, at, 0, frequency, shapes) != FILM_BAD_NUMBER) fail("too many modes of a plate");
+    if (film_plate_modes(&plate, NAN, 1, at, 0, frequency, shapes) != FILM_BAD_NUMBER) fail("a frequency of NaN of a plate");
+}
+
 /* What must be refused. */
 static void check_refusals(void) {
     static double memory[4096];
@@ -197,6 +221,7 @@ int main(int count, char **arguments) {
     long wanted = count > 1 ? atol(arguments[1]) : 300;
     check_refusals();
     check_tables();
+    check_plates();
     for (seed = 1; runs < wanted;) {
         seed = (uint64_t)runs * 7919u + 12345u;
         run();

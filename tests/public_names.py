@@ -27,7 +27,7 @@ from film_model.laws.unloading import UNLOADINGS
 from film_model.solve.history import SUMMARY
 from film_model.targets import TARGETS
 from film_model.targets.layup import PlyMaterial
-from fmu_wrapper.variables import EVENT_KINDS, PHASES, VARIABLES
+from fmu_wrapper.variables import EVENT_KINDS, PHASES, SLIDINGS, VARIABLES
 
 STORED = Path(__file__).with_suffix(".json")
 PAGE = Path(__file__).parents[1] / "docs" / "reference" / "python.md"
@@ -63,7 +63,8 @@ def names() -> dict[str, list[str]]:
         | {f"{kind}: schema {version.partition('.')[0]}" for kind, version in VERSIONS.items()},
         "fmu": {f"{kind} {v.name} ({what}, {v.dimension})" for v in VARIABLES for kind, what in v.causality.items()}
         | {f"phase {code} {name}" for code, name in enumerate(PHASES)}
-        | {f"event {code} {name}" for code, name in enumerate(EVENT_KINDS)},
+        | {f"event {code} {name}" for code, name in enumerate(EVENT_KINDS)}
+        | {f"sliding {code} {name}" for code, name in enumerate(SLIDINGS)},
     }
     return {group: sorted(texts) for group, texts in found.items()}
 

@@ -16,7 +16,7 @@ from film_model.base.arrays import either, greater, root
 from film_model.cli.main import main
 from film_model.explorer import page as page_module
 from film_model.explorer.content import Content, regime_map
-from film_model.explorer.inputs import with_yield_strengths
+from film_model.explorer.inputs import PLATE, with_yield_strengths
 from film_model.explorer.page import page, scripts
 from film_model.explorer.trace import Recording
 from film_model.laws import LAWS
@@ -171,6 +171,28 @@ def test_a_target_that_is_held_brings_its_compliance_and_its_modes():
     assert paths == ["target.material.yield_strength", "target.damping_ratio"]
     for table in (static, vibrating):
         assert table["given"] is None and table["table"]["effects"]["boundary_reflections"] is True
+
+
+@pytest.mark.parametrize(
+    ("more", "computed"),
+    [
+        ({}, True),
+        ({"size": ["0.1 m", "0.1 m"], "position": ["0.03 m", "0.05 m"], "damping_ratio": 0.01}, True),
+        ({"size": ["0.1 m", "0.1 m"], "edges": "clamped"}, False),
+        ({"size": ["0.1 m", "0.1 m"], "foundation_stiffness": "1e6 N/m^3"}, False),
+        ({"size": ["0.1 m", "0.1 m"], "damping_ratio": [0.01, 0.02]}, False),
+        ({"static_stiffness": "1e6 N/m"}, False),
+    ],
+)
+def test_the_page_computes_the_modes_of_simply_supported_plates(more, computed):
+    target = {"kind": "plate", "thickness": "2 mm", "material": "mild steel"} | more
+    (found,) = Content([("a", fm.Scene.from_table({"impactor": BALL, "target": target}))]).table()["scenes"]
+    values = {entry["path"]: entry["value"] for entry in found["inputs"] if entry["path"] in PLATE}
+    assert (found["plate"] is not None) is computed is bool(values)
+    assert (found["support"] is not None) is not computed
+    if computed and more:
+        assert list(values.values()) == [0.1, 0.1, 0.03, 0.05]
+        assert found["effects"]["boundary_reflections"] == found["effects"]["target_inertia"] == "auto"
 
 
 def test_a_page_says_that_it_leaves_out_strain_hardening():

@@ -79,17 +79,47 @@ def test_coupling_errors_are_those_of_the_documentation(made):
                 assert restitution - 1.0 == pytest.approx(error, rel=0.1), (steps, name)
 
 
-@pytest.mark.parametrize(("steps", "validity"), [(2, 8), (10, 8), (30, 0)])
+@pytest.mark.parametrize(("steps", "validity"), [(7, 8), (10, 8), (30, 0)])
 def test_a_contact_of_few_steps_says_so(made, steps, validity):
     history = fm.simulate(scene("hertz"), accuracy=1e-8)
     with opened(made(history.scene, 3, kind="contact")) as fmu, started(fmu, False, {}) as slave:
-        *_, time = coupled(slave, history, steps, "side by side", 1.5)
-        for name, value in {"indentation": -1e-6, "relative_velocity": -1.0}.items():
+        restitution, _, time = coupled(slave, history, steps, "side by side", 1.5)
+        apart = {"indentation": -1e-6, "relative_velocity": -restitution * history.scene.approach_velocity}
+        for name, value in apart.items():
             slave.set(name, value)
         slave.step(time, 1e-6)
         assert int(slave.get(("validity",))["validity"]) & 8 == validity
     told = re.findall(r"a contact lasted (\d+) communication steps; with fewer than 20 ", "".join(fmu.notices))
     assert [abs(int(count) - steps) <= 2 for count in told] == [True] * (validity == 8)
+
+
+@pytest.mark.parametrize("version", [2, 3])
+@pytest.mark.parametrize("way", ["side by side", "bodies first"])
+def test_a_contact_of_too_few_steps_is_an_error(made, version, way):
+    """Steps of 200 and 100 us, in a contact of 200 us, multiply the velocity by 33 and 5: the run ends so."""
+    history = fm.simulate(scene("hertz"), accuracy=1e-8)
+
+    def run(steps):
+        with opened(made(history.scene, version, kind="contact")) as fmu, started(fmu, False, {}) as slave:
+            restitution, _, time = coupled(slave, history, steps, way, 1.5 if way == "side by side" else 0.5)
+            slave.set("indentation", -1e-6)
+            slave.set("relative_velocity", -restitution * history.scene.approach_velocity)
+            slave.step(time, 1e-6)
+
+    for steps, gain in ((1, "33"), (2, "5.")):
+        with pytest.raises(
+            fm.SimulationError, match=f"left the bodies with {gain}.* with which they met; ask for steps below"
+        ):
+            run(steps)
+
+
+def test_bodies_that_a_contact_pushes_apart_from_rest_are_no_error(made):
+    with opened(made(scene("hertz"), 3, kind="contact")) as fmu, started(fmu, False, {"indentation": 1e-6}) as slave:
+        for k, (indentation, rate) in enumerate([(1e-6, 0.0), (0.5e-6, -0.1), (-1e-6, -0.2)]):
+            slave.set("indentation", indentation)
+            slave.set("relative_velocity", rate)
+            slave.step(k * 1e-5, 1e-5)
+        assert slave.get(("validity",))["validity"] == 8
 
 
 @combinations(law=["hertz", "big-alabo", "tsuji", "linear-dashpot"], fast=2)

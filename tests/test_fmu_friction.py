@@ -10,9 +10,9 @@ import film_datasets as fd
 import film_model as fm
 import fmu_wrapper
 from fmu_wrapper.instance import opened, started
-from fmu_wrapper.variables import OF_FRICTION, reference
+from fmu_wrapper.variables import OF_FRICTION, SLIDINGS, reference
 
-OUTPUTS = OF_FRICTION[6:]
+OUTPUTS, EVENTS = OF_FRICTION[6:12], OF_FRICTION[12:]
 BEAM = fm.Beam("bearing steel", length="60 mm", width="20 mm", thickness="8 mm", position="25 mm")
 
 
@@ -30,8 +30,8 @@ def component_for(path, served):
 @pytest.mark.parametrize("law", ["hertz", "elastoplastic", "tsuji", "on a beam"])
 def test_outputs_are_those_of_the_component_under_changing_inputs(made, version, law):
     served = on(target=BEAM) if law == "on a beam" else on(law)
-    path, h = made(served, version), fm.simulate(served).duration / 40
-    component = component_for(path, served)
+    path, h = made(served, version), fm.simulate(served).duration / 40.5
+    component, begun = component_for(path, served), []
     with opened(path) as fmu, started(fmu, False, {}) as slave:
         assert fmu.description.modelExchange is None
         for n in range(60):
@@ -40,11 +40,18 @@ def test_outputs_are_those_of_the_component_under_changing_inputs(made, version,
             for name, value in inputs.items():
                 slave.set(name, value)
             slave.step(n * h, h)
-            component.step(h, **inputs)
-            found = slave.get(OUTPUTS)
+            step = component.step(h, **inputs)
+            found, events = slave.get(OUTPUTS), slave.get(EVENTS)
+            begun += step.sliding
+            assert list(SLIDINGS)[int(events["sliding"])] == component.sliding.phase
+            assert events["sliding_event_count"] == len(begun)
+            last, kind = begun[-1] if begun else (0.0, "free")
+            assert list(SLIDINGS)[int(events["last_sliding_event"])] == kind
+            assert events["time_of_last_sliding_event"] == pytest.approx(last, abs=1e-9 * h)
             for name, value in zip(OUTPUTS, component.sliding, strict=False):
                 size = {"spin": 10.0, "friction_force": 1.0}.get(name, 0.1)
                 assert found[name] == pytest.approx(value, rel=1e-11, abs=1e-11 * size), (n, name)
+    assert len(begun) > 2
 
 
 def test_a_dataset_has_the_motion_along_the_surface(made):

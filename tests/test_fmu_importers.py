@@ -211,6 +211,33 @@ def test_casadi_takes_values_jacobians_and_adjoints(dae, version):
     assert float(adjoint[1][0]) == pytest.approx(1.0 / mass, rel=1e-12)
 
 
+def test_casadi_differentiates_by_parameters(dae):
+    """Against central differences of its own values, and adjoint. FMI 2.0 lists no dependencies on parameters."""
+    builder = dae(fmu_wrapper.served(scene("big-alabo", "plate")), 3, ("contact_force", "target_velocity"))
+    for name in ("mass", "radius", "effective_modulus", "yield_strength", "target_impedance"):
+        builder.set_category(name, "p")
+    assert builder.p()[-1] == "gravity" and len(builder.p()) == 6
+    model, p = builder.create("f", ["x", "u", "p"], ["ode", "y"]), [builder.start(name)[0] for name in builder.p()]
+    x, u = [5e-6, 0.2, 1e-7], [3.0, 0.01]
+    ode, y = (np.array(found) for found in model.factory("J", ["x", "u", "p"], ["jac:ode:p", "jac:y:p"])(x, u, p))
+    for k, value in enumerate(p):
+        moved = [[*p[:k], value * (1.0 + 1e-3 * node), *p[k + 1 :]] for node in (-2, -1, 1, 2)]
+        values = [np.concatenate([np.array(part)[:, 0] for part in model(x, u, one)]) for one in moved]
+        expected = np.array([1, -8, 8, -1]) @ values / (12e-3 * value)
+        assert np.concatenate([ode[:, k], y[:, k]]) == pytest.approx(
+            expected, rel=1e-8, abs=1e-11 * np.abs(values).max() / value
+        )
+    adjoint = model.reverse(1)(x, u, p, *model(x, u, p), [0.0, 1.0, 0.0], [0.0, 0.0])
+    assert np.array(adjoint[2])[:, 0] == pytest.approx(ode[1], rel=1e-13)
+
+
+@VERSIONS
+def test_casadi_takes_the_derivative_by_a_tunable_parameter(dae, version):
+    model = dae(scene("hertz"), version, ("contact_force",)).create("f", ["x", "u", "p"], ["ode", "y"])
+    jacobian = model.factory("J", ["x", "u", "p"], ["jac:ode:p"])([5e-6, 0.2, 0.0], [0.0, 0.0], [5.0])
+    assert np.array(jacobian)[:, 0] == pytest.approx([0.0, 1.0, 0.0], abs=1e-9)
+
+
 @VERSIONS
 def test_casadi_loads_a_contact(dae, version):
     model = dae(scene("hertz"), version, ("contact_force",), kind="contact").create("f", ["u"], ["y"])

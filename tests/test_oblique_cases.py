@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import film_model as fm
+from film_model.core import friction, native
 from film_model.core.springs import radii
 from film_model.solve.simulate import simulate_quietly
 
@@ -157,3 +158,47 @@ def test_the_bodies_are_apart_before_the_deepest_contact():
     depth = history.sample_si(times).indentation
     assert depth[: depth.argmax()].min() < 0.0
     assert history.oblique.summary["friction_work"] > 0.0
+
+
+@pytest.mark.parametrize("exponent", [1.0, 1.2, 2.0, 3.0])
+@pytest.mark.parametrize("psi", [0.5, 1.5, 3.0])
+def test_springs_of_any_power_law_follow_its_exact_motion(exponent, psi):
+    """In records, under a table with one coefficient, and in steps; under a linear law all springs are as one."""
+    stiffness = f"{40e6 * 20e-6 ** (1.0 - exponent)!r} N/m^{exponent}"
+    contact = fm.Contact("meyer", stiffness=stiffness, exponent=exponent, friction=0.2)
+    on = slanted(f"{math.atan(1.2143 * 0.2 * psi)!r} rad")
+    on = fm.Scene(on.impactor, on.target, contact, on.effects)
+    history, table = fm.simulate(on), fm.simulate(on.replace({"contact.friction": [["0 m/s", 0.2], ["1 m/s", 0.2]]}))
+    component = fm.ImpactComponent(on, accuracy=1e-7)
+    component.step(1.01 * history.duration)
+    exact, before = history.oblique, history.oblique.motion["sliding_velocity"][0]
+    after = exact.summary["contact_point_rebound_velocity"]
+    found = table.oblique
+    assert found.summary["contact_point_rebound_velocity"] == pytest.approx(after, abs=found.estimated * before)
+    assert found.estimated < 1e-3 and found.sliding_regime == exact.sliding_regime
+    assert component.sliding.sliding_velocity == pytest.approx(after, abs=3e-4 * before)
+
+
+@pytest.mark.parametrize(("psi", "expected"), [(0.5, 0.184567753), (1.5, -0.339308323), (3.0, -1.368026457)])
+def test_a_linear_dashpot_that_hardly_damps_is_a_flat_punch(psi, expected):
+    """Its springs along the surface are one spring and one slider."""
+    angle = math.atan(psi * 1.7 / 1.4 * 0.2)
+    ball = fm.Sphere("5 mm", f"{0.5 / math.cos(angle)!r} m/s", material=STEEL, angle=f"{angle!r} rad")
+    contact = fm.Contact("linear-dashpot", stiffness="40 MN/m", restitution=0.99999, friction=0.2)
+    on = fm.Scene(ball, fm.HalfSpace(STEEL), contact, fm.Effects(gravity=False))
+    found = fm.simulate(on).oblique.summary
+    after = found["contact_point_rebound_velocity"] / (1.7 / 1.4 * 0.2 * 0.5)
+    assert found["impact_number"] == pytest.approx(psi, rel=1e-9)
+    assert after == pytest.approx(expected, abs=1e-4)
+
+
+def test_slow_impacts_under_a_load_end():
+    """Where slip comes back to the end of the first slip its steps shrink without limit: that piece is over then."""
+    slow = friction.Normal(0.0, 1.0, 1.8, 7.48696425877965e-4, 0.0, 0.016062736278909136)
+    _, result, _ = friction.impact(slow, 2.9302325581395343, 8.516636559239409e-4)
+    assert [kind for _, kind in result.events][-1] == friction.SLIDES and result.steps < 200
+    many = np.array([tuple(getattr(slow, name) for name in friction.NORMAL_DTYPE.names)], friction.NORMAL_DTYPE)
+    for coarse in (False, True):
+        found = friction.many(many, np.array([2.9302325581395343]), np.array([8.516636559239409e-4]), coarse)
+        assert found["status"][0] == native.OK
+        assert found["velocity"][0] == pytest.approx(result.velocity, abs=1e-8 * 8.5e-4)

@@ -244,29 +244,35 @@ def batch_rows(scene, speeds):
     ]
 
 
-def sweep_rows(scene, path, values, unit):
+RAISED = "none", "raised", None
+"""The row of a sweep in which no impact is possible."""
+
+
+def sweep_rows(scene, path, values, unit, sweep=fd.sweep):
     """Law, status and summary of each impact of a sweep over a number; 'raised' if none is possible."""
     order = np.argsort(values)
     try:
-        ds = fd.sweep(scene, {path: [number_text(values[k], unit) for k in order]})
+        ds = sweep(scene, {path: [number_text(values[k], unit) for k in order]})
     except fm.SimulationError:
-        return [("none", "raised", None)] * len(values)
+        return [RAISED] * len(values)
+    return [row_of(ds, int(row)) for row in np.argsort(order)]
+
+
+def row_of(ds, row):
+    """Law, status and summary of an impact of a sweep."""
     flags = {name: ds[name].attrs["flag_meanings"].split() for name in ("status", "law")}
     codes = {name: np.atleast_1d(ds[name].attrs["flag_values"]).tolist() for name in flags}
-    rows = []
-    for row in np.argsort(order):
-        words = [flags[name][codes[name].index(int(ds[name][row]))] for name in ("law", "status")]
-        rows.append((*words, {name: float(ds[name][row]) for name in SUMMARY}))
-    return rows
+    words = [flags[name][codes[name].index(int(ds[name][row]))] for name in ("law", "status")]
+    return (*words, {name: float(ds[name][row]) for name in SUMMARY})
 
 
-def disagreements(scene):
+def disagreements(scene, sweep=fd.sweep):
     """Every difference between the impacts of a scene at a few velocities alone, in a batch and in a sweep."""
-    speeds = [float(v) for v in scene.impactor.speed * FACTORS]
+    speeds = [float(v) for v in scene.impactor.velocity * FACTORS]
     scenes = [at_velocity(scene, speed) for speed in speeds]
     if any(map(vibrates, scenes)):
         return []
-    rows = zip(batch_rows(scene, speeds), sweep_rows(scene, "impactor.velocity", speeds, "m/s"), strict=True)
+    rows = zip(batch_rows(scene, speeds), sweep_rows(scene, "impactor.velocity", speeds, "m/s", sweep), strict=True)
     return rows_disagree(scenes, [{"batch": batch, "sweep": row} for batch, row in rows])
 
 
@@ -309,12 +315,12 @@ def numbers_of(scene):
     return found
 
 
-def rows_disagree(scenes, rows):
+def rows_disagree(scenes, rows, histories=None):
     """The differences between scenes alone and their rows: for each, by where: the summary, with law and status of a
-    sweep; None if it failed."""
+    sweep; None if it failed. histories: the scenes' histories or errors, if they are known."""
     found = []
-    for scene, own in zip(scenes, rows, strict=True):
-        one, said = alone(scene), f"at {scene.impactor.speed!r} m/s"
+    for k, (scene, own) in enumerate(zip(scenes, rows, strict=True)):
+        one, said = alone(scene) if histories is None else histories[k], f"at {scene.impactor.speed!r} m/s"
         for where, row in own.items():
             law, status, values = row if isinstance(row, tuple) else (None, None, row)
             if not isinstance(one, fm.History):
@@ -334,7 +340,7 @@ def rows_disagree(scenes, rows):
     return found
 
 
-def stepped_disagreements(scene, steps=17):
+def stepped_disagreements(scene, steps=17, simulated=fm.simulate):
     """Every difference between an impact alone and the same one stepped by a component."""
     if vibrates(scene):
         return []
@@ -345,7 +351,7 @@ def stepped_disagreements(scene, steps=17):
     if isinstance(scene.target, fm.Body):
         return [] if isinstance(component, Exception) else ["a component accepts a free body"]
     try:
-        one = fm.simulate(scene)
+        one = simulated(scene)
     except fm.SimulationError as error:
         try:
             if not isinstance(component, Exception):

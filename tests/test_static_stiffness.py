@@ -59,6 +59,21 @@ def test_simply_supported_plate_against_the_double_series(stiffness, place):
     assert turned == pytest.approx(got, rel=1e-10)
 
 
+def test_plates_that_are_nearly_isotropic():
+    """The roots of the series are then nearly double: the compliance passes through that of the isotropic plate as a
+    parabola."""
+
+    def compliance(anisotropy):
+        return plate_statics.plate_compliance((1.0, 0.3, 1.0, (anisotropy - 0.3) / 2), (0.4, 0.3), (0.1, 0.2))
+
+    low, one, high = (compliance(1.0 + off) for off in (-1e-3, 0.0, 1e-3))
+    for off in (1e-4, 3e-5, 1e-6, 5e-7, 1e-9, 1e-12):
+        for signed in (off, -off):
+            x = signed / 1e-3
+            expected = one + 0.5 * (high - low) * x + 0.5 * (high - 2.0 * one + low) * x * x
+            assert compliance(1.0 + signed) == pytest.approx(expected, rel=1e-10)
+
+
 def test_square_plates_at_the_centre():
     """86.20 D/L² simply supported, by Navier's series; 178.2 D/L² clamped."""
     centre = (0.5, 0.5)

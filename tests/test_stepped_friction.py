@@ -166,7 +166,7 @@ def test_on_a_beam_that_vibrates(psi):
     found, before = history.oblique, history.oblique.motion["sliding_velocity"][0]
     error = found.estimated * before
     exact = found.summary["contact_point_rebound_velocity"]
-    assert component.sliding.sliding_velocity == pytest.approx(exact, abs=error) and error < 2e-3 * before
+    assert component.sliding.sliding_velocity == pytest.approx(exact, abs=error) and error < 3e-3 * before
     assert component.sliding.friction_work == pytest.approx(found.summary["friction_work"], rel=2e-3)
     assert component.outputs.contact_count > 1
     plain = fm.ImpactComponent(on.replace({"contact.friction": None}), accuracy=1e-5)
@@ -184,3 +184,12 @@ def test_pushes_without_friction_are_refused():
     plain = fm.ImpactComponent(scene().replace({"contact.friction": None}))
     with pytest.raises(ValueError, match=r"need contact\.friction"):
         plain.step(1e-6, torque="1 N m")
+
+
+def test_the_work_of_a_step_is_bounded():
+    """A ball under its weight bounces for ever: after a million steps of friction its step is refused."""
+    given = scene("hertz").replace({"effects.gravity": True, "impactor.velocity": "1 mm/s"})
+    component = fm.ImpactComponent(given)
+    with pytest.raises(fm.SimulationError, match="shorter step"):
+        component.step(1e3)
+    component.step(1e-6)  # each step has its own work

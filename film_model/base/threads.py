@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import wraps
+from functools import lru_cache, wraps
 from importlib import import_module
-from typing import ParamSpec, TypeVar
+from typing import Any, ParamSpec, TypeVar
 
 P = ParamSpec("P")
 R = TypeVar("R")
@@ -21,10 +21,16 @@ def one_thread(work: Callable[P, R]) -> Callable[P, R]:
 
     @wraps(work)
     def alone(*given: P.args, **named: P.kwargs) -> R:
-        from threadpoolctl import threadpool_limits
-
-        import_module("scipy.linalg")  # only libraries that are loaded can be limited
-        with threadpool_limits(1, user_api="blas"):
+        with _libraries().limit(limits=1, user_api="blas"):
             return work(*given, **named)
 
     return alone
+
+
+@lru_cache(maxsize=1)
+def _libraries() -> Any:
+    """The libraries with threads, which take milliseconds to find."""
+    from threadpoolctl import ThreadpoolController
+
+    import_module("scipy.linalg")  # only libraries that are loaded can be limited
+    return ThreadpoolController()

@@ -17,11 +17,11 @@ from film_model.core.native import Curve, Line, State
 Array = NDArray[np.float64]
 
 LEVELS = 40
-MODES_OF_A_STEP, MOST_WORK = 100, 150_000_000
+MODES_OF_A_STEP, MOST_WORK = 200, 120_000_000
 """The core's limit of an impact: FILM_MOST_WORK over modes + FILM_MODES_OF_A_STEP is the largest number of steps."""
 
 MOST_MEMORY = 256 * 2**20
-"""Limit of a record, bytes: 10,000 contacts on 200 modes with 100 steps each."""
+"""Limit of a record, bytes: that of an impact within the limit of work on few modes."""
 
 _D, _I = c.c_double, c.c_int32
 _BENDS, _NODES, _FLIGHTS = 6, 4, 10
@@ -227,11 +227,24 @@ class _Room:
         return segments, self.events[: at.event_count * EVENT_DTYPE.itemsize], self.flights[: at.flight_count]
 
 
-def impact(tables: Tables, curve: Curve, start: Start, expected: int = _ROOM) -> Impact:
-    """One impact, recorded. native.TOO_MANY: its record would need more than `MOST_MEMORY`. expected: number of
-    segments for which there is room at once, which saves time if they are many."""
+def impact(tables: Tables, curve: Curve, start: Start, expected: int = 0, recorded: bool = True) -> Impact:
+    """One impact, with its record or, in less time, without. native.TOO_MANY: its record would need more than
+    `MOST_MEMORY`. expected: number of segments for which there is room at once, which saves time if they are many."""
     with tables.lock:
-        return _impact(tables, curve, start, min(max(expected, _ROOM), _MOST_ROOM))
+        if recorded:
+            return _impact(tables, curve, start, min(max(expected, _ROOM), _MOST_ROOM))
+        return _unrecorded(tables, curve, start)
+
+
+def _unrecorded(tables: Tables, curve: Curve, start: Start) -> Impact:
+    state, summary, waves, energies = Modal(), Summary(), np.empty(4 * tables.count), np.empty(tables.count)
+    own = c.byref(state), waves.ctypes.data
+    status = _library().film_modal_impact(
+        c.byref(tables.native), c.byref(curve), c.byref(start), *own, c.byref(summary), None
+    )
+    _library().film_modal_energies(c.byref(tables.native), *own, energies.ctypes.data)
+    none = np.empty(0, SEGMENT_DTYPE), np.empty(0, EVENT_DTYPE), np.empty((0, 2 * tables.count))
+    return Impact(status, summary, *none, energies)
 
 
 def _impact(tables: Tables, curve: Curve, start: Start, expected: int) -> Impact:

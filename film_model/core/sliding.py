@@ -7,28 +7,23 @@ from functools import lru_cache
 from typing import Any
 
 from film_model.core import modal, native
-from film_model.core.springs import Array, Springs
+from film_model.core.springs import Array, Springs, Watch
 
-_D, _I, _EVENTS = c.c_double, c.c_int32, 32
+_D, _I = c.c_double, c.c_int32
 
 
 class Sliding(c.Structure):
-    """film_sliding: springs that slip, and what they have done. phase: place in `film_model.oblique.result.KINDS`, −1
-    without contact. begins, kinds: of phases that began in the last call, after so much of its time."""
+    """film_sliding: springs that slip, what they have done, and the phases that began in the last call. steps: work
+    since the caller set it to 0, which the core limits."""
 
-    _fields_ = (
-        *((name, _D) for name in ("impulse", "work", "passed")),
-        *(("begins", _D * _EVENTS), ("kinds", _I * _EVENTS)),
-        *((name, _I) for name in ("events", "phase", "sign", "cut", "partly", "reserved")),
-        ("springs", Springs),
-    )
+    _fields_ = (("impulse", _D), ("work", _D), ("watch", Watch), ("steps", _I), ("reserved", _I), ("springs", Springs))
 
 
 @lru_cache(maxsize=1)
 def _library() -> Any:
     """The core's library, with the functions of film_slide.h declared."""
     lib, pointer = native.library(), c.c_void_p
-    lib.film_slide_init.argtypes = [pointer, _D, _D, _D]
+    lib.film_slide_init.argtypes = [pointer, pointer, _D, _D, _D]
     lib.film_slide_init.restype = c.c_int
     lib.film_slide.argtypes = [pointer, pointer, pointer, _D, pointer, c.c_int32, pointer]
     lib.film_slide.restype = c.c_int
@@ -40,10 +35,10 @@ def _library() -> Any:
     return lib
 
 
-def begin(friction: float, mass: float, velocity: float) -> Sliding:
+def begin(curve: native.Curve, friction: float, mass: float, velocity: float) -> Sliding:
     """The start of a motion. Raises ValueError for numbers out of range."""
     made = Sliding()
-    if _library().film_slide_init(c.byref(made), friction, mass, velocity) != native.OK:
+    if _library().film_slide_init(c.byref(made), c.byref(curve), friction, mass, velocity) != native.OK:
         raise ValueError(f"the core refuses friction {friction!r}, mass {mass!r}, velocity {velocity!r}")
     return made
 

@@ -17,25 +17,44 @@ Array = NDArray[np.float64]
 MOST = 256
 """Springs beside each other."""
 
-_D, _I = c.c_double, c.c_int32
+_D, _I, _PHASES = c.c_double, c.c_int32, 32
+
+
+class Watch(c.Structure):
+    """film_watch. phase: place in `film_model.oblique.result.KINDS`, −1 without contact. begins, kinds: of the phases
+    that began, after so much of the time that has passed."""
+
+    _fields_ = (
+        *(("passed", _D), ("waited", _D), ("begins", _D * _PHASES), ("kinds", _I * _PHASES)),
+        *((name, _I) for name in ("events", "phase", "sign", "cut", "partly", "reserved")),
+    )
+
+    @property
+    def phases(self) -> list[tuple[float, int]]:
+        """Times and kinds of the phases that began."""
+        return list(zip(self.begins[: self.events], self.kinds[: self.events], strict=True))
 
 
 class Springs(c.Structure):
     """film_springs: springs at one moment; v: sliding velocity, q: friction force, push: other acceleration."""
 
     _fields_ = (
-        [(name, _D) for name in ("stiffness", "width", "friction", "mass", "v", "q", "push", "radius")]
-        + [("u", _D * MOST)]
-        + [(name, _I) for name in ("count", "reserved", "watched", "cut")]
+        [(name, _D) for name in ("stiffness", "width", "power", "friction", "mass", "v", "q", "push", "radius")]
+        + [("u", _D * MOST), ("reach", _D * MOST)]
+        + [(name, _I) for name in ("count", "stuck", "watched", "cut")]
     )
 
 
 class Impact(c.Structure):
     """film_springs_impact_result. velocity: at the end. force, step: largest friction force, and after how many steps.
     apart: largest difference of the velocity at any time to that of half as many springs and steps. slack: what the
-    friction force lacks to its limit, a share of the impulses."""
+    friction force lacks to its limit, a share of the impulses. regime: place in `film_model.oblique.result.REGIMES`.
+    watch: of the phases; of the first one only without a motion."""
 
-    _fields_ = (*((name, _D) for name in ("velocity", "force", "apart", "slack")), ("step", c.c_int64))
+    _fields_ = (
+        *((name, _D) for name in ("velocity", "force", "apart", "slack")),
+        *(("step", c.c_int64), ("regime", _I), ("reserved", _I), ("watch", Watch)),
+    )
 
 
 @lru_cache(maxsize=1)
@@ -43,8 +62,10 @@ def _library() -> Any:
     """The core's library, with the functions of film_springs.h declared."""
     lib, pointer, i64 = native.library(), c.c_void_p, c.c_int64
     signatures: dict[str, tuple[list[Any], Any]] = {
-        "film_springs_impact": ([_I, *[_D] * 3, pointer, _I, _D, i64, *[pointer] * 5], c.c_int),
+        "film_springs_impact": ([_I, *[_D] * 4, pointer, _I, _D, i64, *[pointer] * 4], c.c_int),
         "film_springs_radii": ([i64, *[pointer] * 3, _D, pointer, pointer], None),
+        "film_springs_power": ([pointer], _D),
+        "film_springs_slopes": ([pointer, i64, *[pointer] * 3], None),
         "film_springs_energy": ([pointer], _D),
         "film_springs_size": ([], i64),
     }
@@ -64,19 +85,19 @@ def energy(state: Springs) -> float:
 
 def impact(
     count: int, numbers: Sequence[float], friction: Array, step: float, force: Array, radius: Array, rows: bool = False
-) -> tuple[Impact | None, Array, Array]:
-    """An impact in an even number of steps of a time, and the sliding velocity and friction force over it, or empty
-    without `rows`; no impact for numbers out of range.
+) -> tuple[Impact | None, Array]:
+    """An impact in an even number of steps of a time, and over it the sliding velocity, the friction force and the
+    radius inside which all sticks, (times, 3), empty without `rows`; no impact for numbers out of range.
 
-    numbers: modulus, mass and velocity. friction: pairs of speed and coefficient, (pairs, 2). force, radius: before the
-    first step and after each.
+    numbers: modulus, power, mass and velocity. friction: pairs of speed and coefficient, (pairs, 2). force, radius:
+    before the first step and after each.
     """
     friction, force, radius = (np.ascontiguousarray(values, np.float64) for values in (friction, force, radius))
-    found, motion = Impact(), np.empty((2, force.size if rows else 0))
-    table, motions = (friction.ctypes.data, len(friction)), [row.ctypes.data if rows else None for row in motion]
-    at = force.ctypes.data, radius.ctypes.data, c.byref(found), *motions
+    found, motion = Impact(), np.empty((force.size if rows else 0, 3))
+    table = friction.ctypes.data, len(friction)
+    at = force.ctypes.data, radius.ctypes.data, c.byref(found), motion.ctypes.data if rows else None
     status = _library().film_springs_impact(count, *numbers, *table, step, force.size - 1, *at)
-    return found if status == native.OK else None, motion[0], motion[1]
+    return found if status == native.OK else None, motion
 
 
 def radii(force: Array, depth: Array, law: Array, modulus: float) -> tuple[Array, Array]:
@@ -86,3 +107,17 @@ def radii(force: Array, depth: Array, law: Array, modulus: float) -> tuple[Array
     at = [array.ctypes.data for array in (force, depth, law, first, second)]
     _library().film_springs_radii(force.size, *at[:3], modulus, *at[3:])
     return first, second
+
+
+def power(curve: native.Curve) -> float:
+    """The power of the contact radius with which the depth of the law grows, as in film_springs.h."""
+    return _library().film_springs_power(c.byref(curve))
+
+
+def slopes(curve: native.Curve, force: Array, depth: Array) -> Array:
+    """The slope of the force of a reversible law, over its scales, at recorded forces and depths over theirs."""
+    force, depth = (np.ascontiguousarray(values, np.float64) for values in (force, depth))
+    slope = np.empty(force.shape)
+    at = [array.ctypes.data for array in (force, depth, slope)]
+    _library().film_springs_slopes(c.byref(curve), force.size, *at)
+    return slope

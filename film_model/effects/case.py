@@ -38,6 +38,7 @@ class Pulse(NamedTuple):
         push, duration = approach - core.final_velocity, core.contact_duration
         moved = core.permanent_indentation + core.shift
         back = either(push > 0.0, ratio(approach * duration - moved, push), 0.5 * duration)
+        back = greater(back, 0.0)  # a load that is not in the balance of momentum may move it beyond the end
         return cls(-core.final_velocity / approach, back, push / approach * gamma / duration)
 
 

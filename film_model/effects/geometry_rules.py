@@ -125,9 +125,11 @@ def obliqueness(case: Case, rule: Rule) -> Effect:
 
     Without friction the change is the range of the ball's tangential velocity for friction coefficients from 0 to 1,
     over its speed before: the impulse is at most µ m (1 + e) V cos α, and at most m_t v (1 + β), with the largest share
-    β of the velocity that an elastic contact gives back.
+    β of the velocity that an elastic contact gives back. How it slides is said
+    without damping only, which lets more friction through.
     """
-    return oblique(case.scene, rule, case.restitution, case.tolerance)
+    scene, damps = case.scene, case.problem.damps and case.scene.contact.friction is not None
+    return oblique(scene, rule, None if damps else case.restitution, case.tolerance)
 
 
 def oblique(scene: Scene, rule: Rule, restitution: float | None, tolerance: float) -> Effect:

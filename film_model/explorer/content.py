@@ -5,7 +5,7 @@ from __future__ import annotations
 import ctypes
 from collections.abc import Iterable
 from functools import cache
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 from numpy.polynomial import chebyshev
@@ -25,7 +25,7 @@ from film_model.effects.trial import change
 from film_model.effects.wave_losses import MOST_WEIGHT
 from film_model.explorer import formulas, support
 from film_model.explorer.formulas import LEAST_RESTITUTION
-from film_model.explorer.inputs import inputs_of, with_yield_strengths
+from film_model.explorer.inputs import inputs_of, plate_inputs, with_yield_strengths
 from film_model.explorer.laws import laws_of
 from film_model.oblique import friction as oblique
 from film_model.oblique import springs as rows
@@ -43,7 +43,8 @@ from film_model.solve.accuracy import FIRST_SEGMENTS
 from film_model.solve.history import MOTION
 from film_model.solve.simulate import DEEPER, GRAZING, simulate_chosen
 from film_model.studies.regimes import limits, regimes
-from film_model.targets import HalfSpace
+from film_model.targets import HalfSpace, Plate
+from film_model.targets.supports import SUPPORTS
 from film_model.version import __version__
 
 SAMPLES = 201
@@ -51,6 +52,10 @@ SAMPLES = 201
 
 SWITCHES = ("plasticity", "target_motion", "gravity", "rate_hardening", "material_damping", "wave_losses")
 """Effects that the page decides again for every change, by the same formulas."""
+
+
+EDGES = ("boundary_reflections", "target_inertia")
+"""The same for plates whose motion between edges the page computes."""
 
 
 class Content:
@@ -105,6 +110,7 @@ class Content:
             "map": regime_map(),
             "intervals": _intervals(),
             "layout": layout(),
+            "edges": SUPPORTS,
             "constants": _constants(),
         }
 
@@ -117,7 +123,8 @@ class Content:
         hardening = change(choose(whole).light, choice.light) if whole.strain_hardening_exponent > 0.0 else 0.0
         if not choice.problem.approach > 0.0:
             raise SimulationError("the impactor has no velocity: there is no impact to show on a page")
-        held, reason = (None, why) if (why := not_simulated(choice)) else support.data(choice)
+        computed, why = support.computed(scene.target), not_simulated(choice)
+        held, reason = (None, why) if why or computed else support.data(choice)
         inputs = list(inputs_of(scene))
         if held is not None:
             scene = support.fixed_to(choice)
@@ -125,8 +132,15 @@ class Content:
             inputs += support.damping_of(scene.target) if held["modes"] else []
         paths = [entry.path for entry in inputs]
         target = scene.target
+        plate = None
+        if computed:
+            beside = plate_inputs(cast("Plate", target))
+            inputs += beside
+            functions = formulas.plate_functions(scene, [*paths, *(entry.path for entry in beside)])
+            plate = {name: self._named(name, text) for name, text in functions.items()}
         reflected = None
-        if held is None and target.structural and target.finite and hasattr(target, "reflection_change"):
+        infinite = held is None and plate is None and target.structural and target.finite
+        if infinite and hasattr(target, "reflection_change"):
             reflected = self._named("reflections", formulas.reflections_function("reflections", scene, paths))
         effects = scene.effects
         return {
@@ -141,7 +155,8 @@ class Content:
             "along": self._along(scene, paths),
             "laws": [self._law(found, scene) for found in laws_of(scene)],
             "law": scene.contact.law_name,
-            "effects": {switch: getattr(effects, switch) for switch in SWITCHES},
+            "plate": plate,
+            "effects": {switch: getattr(effects, switch) for switch in (*SWITCHES, *(EDGES if plate else ()))},
             "edges": effects.boundary_reflections,
             "support": held and held | {"key": name},
             "tolerance": effects.tolerance,
@@ -261,7 +276,8 @@ def layout() -> dict[str, Any]:
         "solution": native.Solution,
     }
     structures |= {"modal": modal.Modal, "modal_start": modal.Start, "modal_summary": modal.Summary}
-    structures |= {"normal": friction.Normal, "friction": friction.Result, "springs": springs.Impact}
+    structures |= {"normal": friction.Normal, "friction": friction.Result}
+    structures |= {"springs": springs.Impact, "watch": springs.Watch}
     structures |= {"modal_segment": modal.Segment, "modal_event": modal.Event}
     found: dict[str, Any] = {
         name: {field[0]: getattr(kind, field[0]).offset for field in kind._fields_} | {"size": size_of(kind)}

@@ -20,14 +20,16 @@ from film_model.base.rate_law import RateHardening
 from film_model.core import native
 from film_model.effects import gravity, wave_losses
 from film_model.effects.case import Pulse, absorbed
+from film_model.effects.edge_effects import vibration
 from film_model.effects.rate_hardening import factor_at
 from film_model.effects.trial import change
+from film_model.explorer.inputs import PLATE
 from film_model.explorer.trace import Recording
 from film_model.laws.damping import loss_restitution
 from film_model.laws.example_ball import example_ball
 from film_model.laws.law import AbstractLaw, Stage
 from film_model.laws.yielding import yield_velocity
-from film_model.oblique.friction import exact_error, numbers_of, regime_of, results
+from film_model.oblique.friction import exact_error, numbers_of, results
 from film_model.problem.curve import Curve
 from film_model.problem.families import EDGES, varying
 from film_model.problem.fit import functions_of
@@ -41,6 +43,7 @@ from film_model.problem.summary import radiated, summary_of
 from film_model.scene import Effects, Scene
 from film_model.scene.columns import scene_of_columns
 from film_model.scene.rolling import Sliding, sliding_of
+from film_model.targets import AbstractTarget
 
 FROM_SCENE = (
     *("effective_modulus", "effective_radius", "yield_strength", "poissons_ratio", "elastic_share"),
@@ -303,10 +306,41 @@ def gravity_function(name: str, template: Scene) -> str:
     return r.function(name, "p, a, q, b, n", {"change": gravity.size_of(light, pressed)[0]})
 
 
+def plate_functions(template: Scene, paths: Sequence[str]) -> dict[str, str]:
+    """Of a plate that may have edges, by what they compute.
+
+    numbers: its mass per area, stiffnesses, and the part of its mass [kg] that moves with the struck point.
+    reflections: of :func:`reflections_function`. inertia: force of vibration over static force on the static
+    `compliance` [m/N].
+    """
+    r = Recording()
+    target: Any = _target(r, template, paths)
+    d11, d12, d22, d66 = target.stiffness
+    outputs = {"mass": target.surface_density, "d11": d11, "mixed": d12 + 2 * d66, "d22": d22}
+    outputs |= {"part": target.first_mode_share * target.whole_mass}
+    found = {"numbers": r.function("numbers", "x", outputs)}
+    found["reflections"] = reflections_function("reflections", template, paths)
+    r = Recording()
+    static = _tried(r, "p", "a", template)
+    object.__setattr__(static, "given", (math.inf, 0.0, r.symbol("compliance")))
+    outputs = {"ratio": vibration(static, r.symbol("part"))}
+    return found | {"inertia": r.function("inertia", "p, a, n, compliance, part", outputs)}
+
+
+def _target(recording: Recording, template: Scene, paths: Sequence[str]) -> AbstractTarget:
+    """The target with symbols for its entries `x`, among them the sides and the struck point of a plate."""
+    columns: dict[str, Any] = {**recording.symbols("x", [path for path in paths if path not in PLATE])}
+    if PLATE[0] in paths:
+        x = recording.symbols("x", PLATE)
+        columns |= {"target.size": tuple(x[path] for path in PLATE[:2])}
+        columns |= {"target.position": tuple(x[path] for path in PLATE[2:])}
+    return scene_of_columns(template, columns).target
+
+
 def reflections_function(name: str, template: Scene, paths: Sequence[str]) -> str:
     """The change by waves reflected from the edges of a plate: `p`, `a` on the infinite plate."""
     r = Recording()
-    target = scene_of_columns(template, cast("Any", r.symbols("x", paths))).target
+    target = _target(r, template, paths)
     p, core = _problem(r, "p", template), _Core(r, "a")
     pulse = Pulse.of(p.approach, p.gamma, core)
     delay = pulse.back / (target.return_time / p.scales.time)
@@ -317,9 +351,8 @@ def reflections_function(name: str, template: Scene, paths: Sequence[str]) -> st
 def friction_functions(template: Scene, paths: Sequence[str]) -> dict[str, str]:
     """Of an impact with friction, from its entries `x`, by what they compute.
 
-    sliding: what friction depends on besides the normal motion `p`. regime: its number, from the `slack` of friction.
-    oblique: the results, from the normal rebound, the sliding velocity after, the
-    largest friction force and its time.
+    sliding: what friction depends on besides the normal motion `p`. oblique: the results, from the normal rebound, the
+    sliding velocity after, the largest friction force and its time.
     """
     r, scene, given = _slides(template, paths)
     problem = _problem(r, "p", template)
@@ -328,8 +361,6 @@ def friction_functions(template: Scene, paths: Sequence[str]) -> dict[str, str]:
     outputs = {name: getattr(given, name) for name in names} | {"spin": scene.impactor.spin, "rate": rate}
     outputs |= {"before": before, "error": exact_error(problem, before)}
     found = {"sliding": r.function("sliding", "x, p", outputs)}
-    r, scene, given = _slides(template, paths)
-    found["regime"] = r.function("regime", "x, slack", {"regime": regime_of(scene, given, r.symbol("slack"))})
     r, scene, given = _slides(template, paths)
     rebound, after, *peak = (r.symbol(name) for name in ("rebound", "after", "force", "time"))
     outputs = results(scene, given, rebound, after, (peak[0], peak[1]))

@@ -7,13 +7,14 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any, cast
 
-from film_model.base.fields import Field
+from film_model.base.fields import Field, measure
 from film_model.base.materials import Material
 from film_model.base.units import scene_unit
 from film_model.scene import Scene
 from film_model.scene.impactor import STEEPEST
 from film_model.scene.rolling import stiffness_ratio
-from film_model.targets.target import RADIUS
+from film_model.targets import Plate
+from film_model.targets.target import LENGTH, PLACE, RADIUS
 
 _POSITIVE = (1.0 / 20.0, 20.0)
 """Least and largest value of a slider over the value of the scene."""
@@ -28,6 +29,10 @@ LABELS = {
     "D12": "bending stiffness D12",
     "D22": "bending stiffness D22",
     "D66": "bending stiffness D66",
+    "target.size.0": "size along x",
+    "target.size.1": "size along y",
+    "target.position.0": "position along x",
+    "target.position.1": "position along y",
 }
 
 RATE_ENTRIES = ("strain_rate_coefficient", "rate_multiplier", "rate_exponent")
@@ -38,6 +43,12 @@ OPTIONAL = ("yield_strength", "loss_factor", *RATE_ENTRIES)
 ALONG = ("impactor.angle", "impactor.spin", "contact.friction")
 """Entries of an impact at an angle or with spin."""
 
+PLATE = tuple(f"target.{name}.{side}" for name in ("size", "position") for side in (0, 1))
+"""Entries of a plate that may have edges, beside its damping ratio."""
+
+USUAL_SIDE, MOST_DAMPING = 0.3, 0.2
+"""Middle of the slider of the side [m] of a plate that is given without, and end of that of damping ratios."""
+
 MOST_FRICTION, MOST_ROLLING = 1.0, 2.0
 """Ends of the sliders: of friction, and of spin times radius over the velocity."""
 
@@ -45,10 +56,14 @@ MOST_FRICTION, MOST_ROLLING = 1.0, 2.0
 JUDGED = ("work_of_adhesion", "roughness", "fluid_viscosity")
 """Entries of the contact from which effects are estimated that the page does not judge again."""
 
-EMPTY = {"mass": "from the density", "angle": "0", "spin": "0"}
+EMPTY = {
+    **{"mass": "from the density", "angle": "0", "spin": "0"},
+    **dict.fromkeys(PLATE[:2], "infinite"),
+    **dict.fromkeys(PLATE[2:], "centre"),
+}
 """What stands in the field of an entry that is missing, if not "none"; "0" for the formulas too."""
 
-MAY_BE_0 = ("drop_height", "velocity", "loss_factor", "angle", "friction")
+MAY_BE_0 = ("drop_height", "velocity", "loss_factor", "angle", "friction", "damping_ratio")
 """Entries whose least value is 0, not just above it."""
 
 STRENGTHS = ("hardness", "strain_hardening_exponent", "strength_coefficient", "strength_exponent")
@@ -73,6 +88,12 @@ class Input:
         """Whether it belongs to a material."""
         return ".material." in self.path
 
+    @property
+    def optional(self) -> bool:
+        """Whether it may be missing."""
+        name = self.path.rpartition(".")[2]
+        return name in (*OPTIONAL, "mass", "damping_ratio") or self.path in (*ALONG, *PLATE)
+
     def to_dict(self) -> dict[str, Any]:
         """What the page needs. slider: its range, and whether it is logarithmic."""
         name, low, high = self.path.rsplit(".", 1)[1], self.field.low, self.field.high
@@ -94,7 +115,7 @@ class Input:
             slider = [max(low, -10.0 * size), min(high, 10.0 * size)]
         return {
             "path": self.path,
-            "label": LABELS.get(name, name.replace("_", " ")),
+            "label": LABELS.get(self.path, LABELS.get(name, name.replace("_", " "))),
             "unit": scene_unit(self.field.dimension),
             "dimension": self.field.dimension,
             "low": low,
@@ -103,8 +124,8 @@ class Input:
             "slider": slider,
             "logarithmic": logarithmic,
             "value": None if self.value is None or math.isinf(self.value) else self.value,
-            "optional": name in OPTIONAL or name == "mass" or self.path in ALONG,
-            "empty": EMPTY.get(name, "none"),
+            "optional": self.optional,
+            "empty": EMPTY.get(self.path, EMPTY.get(name, "none")),
             "missing": 0.0 if EMPTY.get(name) == "0" else None,
         }
 
@@ -138,6 +159,20 @@ def along_of(scene: Scene) -> tuple[Input, ...]:
     )
     known = contact.effective_modulus is None and stiffness_ratio(scene) is not None
     return tuple(entry for entry in entries if known or entry.value is not None)
+
+
+def plate_inputs(target: Plate) -> tuple[Input, ...]:
+    """Size, position of the impact and damping ratio of a plate that may have edges."""
+    sides = target.size or (None, None)
+    found = [Input(path, LENGTH, side, present=USUAL_SIDE) for path, side in zip(PLATE, sides, strict=False)]
+    for path, side, place in zip(PLATE[2:], sides, target.position or (None, None), strict=True):
+        found.append(Input(path, PLACE, place, (0.0, side or USUAL_SIDE)))
+    return (*found, damping_input(cast("float | None", target.damping_ratio)))
+
+
+def damping_input(ratio: float | None) -> Input:
+    """The damping ratio of all vibrations of a target."""
+    return Input("target.damping_ratio", measure("dimensionless", 0, 0.999), ratio, (0.0, MOST_DAMPING))
 
 
 def _entries(path: str, owner: Any) -> Iterator[Input]:

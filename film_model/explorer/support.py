@@ -1,4 +1,5 @@
-"""How a target that is held moves on the page: its static compliance and its natural vibrations, which Python computed.
+"""How a target that is held moves on the page: its static compliance and its natural vibrations, which Python computed;
+of a simply supported plate the page computes them.
 
 The page follows the force on these; what they depend on, the target's geometry and material, cannot change there, but
 those numbers of a plate with which all vibrations scale.
@@ -10,11 +11,10 @@ from dataclasses import replace
 from typing import Any
 
 from film_model.base.errors import TooManyModes
-from film_model.base.fields import measure
 from film_model.core import modal
 from film_model.effects.choose import Choice
 from film_model.effects.edge_effects import CLOSE, SLOW
-from film_model.explorer.inputs import Input
+from film_model.explorer.inputs import Input, damping_input
 from film_model.scene import DEFAULT_ACCURACY, Scene
 from film_model.solve import structures
 from film_model.solve.vibration import (
@@ -35,6 +35,7 @@ from film_model.solve.vibration import (
     vibrate,
 )
 from film_model.targets import AbstractTarget, Plate, Structure
+from film_model.targets.modes import EQUAL
 
 SPARE = 4.0
 """Highest frequency of the page's modes over that which the scene as given needs."""
@@ -45,8 +46,11 @@ ALL = 1e20
 MOST_MODES = 4000
 """Largest number of modes on a page: 100 kB."""
 
+MOST_COMPUTED = 10_000
+"""Bound on the number of modes that the page computes itself: 56 MB for their tables."""
+
 LIVE_WORK = modal.MOST_WORK / 2
-"""Limit of a run on the page, about a second: steps times (number of modes + 100)."""
+"""Limit of the runs of an impact on the page, about a second: steps times (modes + `modal.MODES_OF_A_STEP`)."""
 
 LIVE = ("target.material.yield_strength",)
 """Entries of such a target that may change: its vibrations do not depend on them."""
@@ -81,9 +85,16 @@ def may_change(path: str, held: dict[str, Any]) -> bool:
 def damping_of(target: AbstractTarget) -> list[Input]:
     """The damping ratio of all modes as an entry, if the scene gives one."""
     ratio = getattr(target, "damping_ratio", None)
-    return (
-        [Input("target.damping_ratio", measure("dimensionless", 0.0, 1.0), ratio)] if isinstance(ratio, float) else []
-    )
+    return [damping_input(ratio)] if isinstance(ratio, float) else []
+
+
+def computed(target: AbstractTarget) -> bool:
+    """Whether the page computes how the target moves between edges: a plate that has none, or whose modes have a
+    closed form, and nothing else that Python would have to tabulate."""
+    if not isinstance(target, Plate) or target.layup is not None or target.stiffness_given or target.sensors:
+        return False
+    beside = target.foundation_stiffness or target.edge_stiffness or isinstance(target.damping_ratio, tuple)
+    return target.edges == "simply supported" and not beside
 
 
 def data(choice: Choice) -> tuple[dict[str, Any] | None, str]:
@@ -99,7 +110,7 @@ def data(choice: Choice) -> tuple[dict[str, Any] | None, str]:
     if not vibrates:
         return found, ""
     asked = choice.scene.solver.accuracy or DEFAULT_ACCURACY
-    own = vibrate(choice.problem, target, asked, [])[0]
+    own = vibrate(choice.problem, target, asked, [], recorded=False)[0]
     whole = isinstance(target, Structure)  # all of its vibrations are known
     modes = structures.made(target, ALL, own.unit) if whole else _modes_above(target, own.highest, own.unit)
     if modes.tables.count > MOST_MODES:
@@ -132,6 +143,9 @@ def constants() -> dict[str, float]:
         "highest": HIGHEST,
         "impulses": IMPULSES,
         "longest": LONGEST,
+        "equal": EQUAL,
+        "most_computed": MOST_COMPUTED,
+        "modes_of_a_step": modal.MODES_OF_A_STEP,
         "most_work": LIVE_WORK,
         "refined": REFINED,
         "slow": SLOW,

@@ -18,7 +18,7 @@ from film_model.base.arrays import Array, Number, either, greater, ratio
 from film_model.base.errors import SimulationError
 from film_model.core import friction as core
 from film_model.core import native
-from film_model.core.springs import radii as radii_of
+from film_model.core import springs as springs_core
 from film_model.laws.law import Power
 from film_model.oblique import springs
 from film_model.oblique.result import KINDS, MOTION, REGIMES, Oblique
@@ -29,13 +29,10 @@ from film_model.scene import Scene
 from film_model.scene.friction_table import FrictionTable
 from film_model.scene.rolling import Sliding, sliding_of
 
-STICKS, SLIDES, THROUGHOUT = REGIMES
+*_, THROUGHOUT = REGIMES
 
 SOURCE = "Mindlin 1949; Jäger 1994"
 """Of the theory of friction."""
-
-SLIDING = 1e-6
-"""A contact slides throughout if the impulse of friction lacks less than this share of that at the limit."""
 
 CLOSED = 1e-6
 """Error of the stuck path's beginning, retraced, above which an exact solution has missed an event."""
@@ -143,19 +140,16 @@ def _by_springs(
     times = np.linspace(0.0, duration, springs.STEPS + 1)
     seen = sample(times)
     force, depth = np.maximum(seen.contact_force, 0.0), np.asarray(seen.indentation)
-    radii = [radius_in_loading(problem, depth, force)]
-    if not problem.curve.reversible:
-        radii = [*radii_of(force, depth, radii[0], cast("float", scene.effective_modulus))]
-    runs = [springs.tangential(given, times, force, own) for own in radii]
+    power = springs_core.power(problem.curve.native)
+    runs = [springs.tangential(given, power, times, force, own) for own in contact_radii(problem, depth, force)]
     first = runs[0]
     moved = np.concatenate([[0.0], np.cumsum(0.5 * (first.velocity[1:] + first.velocity[:-1]) * np.diff(times))])
-    columns = (times, first.velocity, first.force, moved, np.full(times.size, np.nan))
-    motion = dict(zip(MOTION, columns, strict=True))
-    regime = REGIMES[regime_of(scene, given, first.slack)]
+    motion = dict(zip(MOTION, (times, first.velocity, first.force, moved, first.stuck), strict=True))
+    regime = REGIMES[first.regime]
     ends = [run.after for run in runs]
-    if given.table is not None and regime == THROUGHOUT:
-        ends = [given.table.slid(given.velocity, normal_impulse(scene, problem, rebound, duration) / given.mass)]
-    events = ((0.0, "sticks" if regime == STICKS else "slides"),)
+    if regime == THROUGHOUT:
+        ends = [slid(given, float(normal_impulse(scene, problem, rebound, duration)))]
+    events = tuple((time, KINDS[kind]) for time, kind in first.phases)
     error = first.estimated / abs(given.velocity)
     most = int(np.argmax(np.abs(first.force)))
     summary = results(scene, given, rebound, ends[0], (abs(float(first.force[most])), float(times[most])))
@@ -165,10 +159,13 @@ def _by_springs(
     return replace(found, low=min(ends), high=max(ends))
 
 
-def regime_of(scene: Scene, given: Sliding, slack: Number) -> Any:
-    """Place in `REGIMES` of impacts by springs. slack: of the friction force to its limit, as in the core."""
-    sticks = abs(given.velocity) < given.friction * given.ratio * scene.approach_velocity
-    return either(slack <= SLIDING, 2, either(sticks, 0, 1))
+def slid(given: Sliding, impulse: float) -> float:
+    """The sliding velocity after an impact that slides throughout, m/s: v' = −µ over the impulse over m_t. impulse: of
+    the normal force, N·s."""
+    velocity, impulse = float(given.velocity), impulse / float(given.mass)
+    if given.table is not None:
+        return given.table.slid(velocity, impulse)
+    return velocity - math.copysign(float(given.friction) * impulse, velocity)
 
 
 def normal_impulse(scene: Scene, problem: Problem, rebound: Number, duration: Number) -> Number:
@@ -177,12 +174,24 @@ def normal_impulse(scene: Scene, problem: Problem, rebound: Number, duration: Nu
     return scene.mass * (scene.impactor.speed - rebound) + load * duration
 
 
-def radius_in_loading(problem: Problem, depth: Array, force: Array) -> Array:
-    """√(R δ), or the law's own contact radius where it yields, m; arrays (times,) of one impact or (times, impacts)."""
-    depth = np.maximum(depth, 0.0)  # below 0 between two contacts
+def contact_radii(problem: Problem, depth: Array, force: Array) -> list[Array]:
+    """Contact radii of one impact at times, m, by which its springs hold: of a law that yields under two models, else
+    F′(δ)/(2 E*) of the force without damping, the radius of any elastic contact. depth: m. force: F ≥ 0, N."""
+    modulus = cast("float", problem.scene.effective_modulus)
     if not problem.curve.reversible:
-        return np.asarray(contact_radius(problem.impacts, force, depth)[0])
-    return np.where(force > 0.0, np.sqrt(problem.impacts.scene.effective_radius * depth), 0.0)
+        return [*springs_core.radii(force, depth, radius_beyond_yield(problem, depth, force), modulus)]
+    return [elastic_radius(problem.curve.native, problem.scales, modulus, depth, force)]
+
+
+def elastic_radius(curve: native.Curve, scales: Any, modulus: Number, depth: Array, force: Array) -> Array:
+    """F′(δ)/(2 E*) of a reversible law, m; arrays of any shape, whose scales and modulus broadcast."""
+    slope = springs_core.slopes(curve, force / scales.force, depth / scales.length)
+    return slope * (scales.force / scales.length) / (2.0 * modulus)
+
+
+def radius_beyond_yield(problem: Problem, depth: Array, force: Array) -> Array:
+    """The law's own contact radius, m; arrays (times,) of one impact or (times, impacts)."""
+    return np.asarray(contact_radius(problem.impacts, force, np.maximum(depth, 0.0))[0])  # below 0 between two contacts
 
 
 def results(

@@ -21,7 +21,7 @@ OBLIQUE: dict[str, tuple[str, str]] = {
     "maximum_friction_force": ("force", "largest friction force, by its size"),
     "time_of_maximum_friction_force": ("time", "after first touch"),
     "friction_work": ("energy", "dissipated by friction"),
-    "impact_number": ("dimensionless", "ψ₁ = v/(κ µ V_n) of the sliding velocity v before; sticks first below 1"),
+    "impact_number": ("dimensionless", "ψ₁ = v/(κ µ V_n), v: of sliding before; below 1 elastic contacts stick first"),
     "tangential_parameter": ("dimensionless", "χ = (m/m_t)/(2 κ), with κ = E*/(4 G*)"),
     "target_tangential_velocity": ("velocity", "of the centre of a target that is a free body"),
     "target_rebound_spin": ("angular_frequency", "of a target that is a free body; positive as the impactor's"),
@@ -35,7 +35,7 @@ MOTION: dict[str, tuple[str, str]] = {
     "sliding_velocity": ("velocity", "of the contacting points on each other"),
     "friction_force": ("force", "on the impactor, against sliding at first touch"),
     "sliding_displacement": ("length", "of the bodies on each other since first touch, far from the contact"),
-    "stick_radius": ("length", "of the area that sticks; none by springs"),
+    "stick_radius": ("length", "of the area that sticks; by springs to 1/256 of the largest"),
 }
 """Columns of the recorded motion, with dimension and meaning."""
 
@@ -49,9 +49,11 @@ OPEN = 0.01
 @dataclass(frozen=True)
 class Oblique:
     """The tangential part of an impact. summary: SI floats by the names of `OBLIQUE`. sliding_regime: "sticks first",
-    "slides first" or "slides throughout". events: (time, s, and "sticks", "slips", "slip_reverses" or "slides").
-    motion: arrays, SI, by the names of `MOTION`. estimated: error of the sliding velocity over that before. low, high:
-    sliding velocity after the impact under two models of a contact that yields; None of others.
+    "slides first" or "slides throughout", of the motion that is simulated: a damping force, which raises the limit of
+    friction at first touch, may make a contact stick whose ψ₁ is above 1. events: (time, s, and "sticks", "slips",
+    "slip_reverses" or "slides"); by springs within a step, 1/2048 of the duration, and the first 32 of several
+    contacts. motion: arrays, SI, by the names of `MOTION`. estimated: error of the sliding velocity over that before.
+    low, high: sliding velocity after the impact under two models of a contact that yields; None of others.
 
     >>> fm.simulate(scene).oblique is None  # no friction is given
     True

@@ -16,7 +16,7 @@ from film_model.scene.rolling import Sliding
 SPRINGS = 256
 STEPS = 2048
 
-SAFETY = 2.0
+SAFETY = 3.0
 """Of the largest difference to half as many springs and steps at any time, as an estimate of the error."""
 
 LEVELS = (64, 128, SPRINGS)
@@ -27,21 +27,25 @@ MODELLED = 1e-3
 
 
 class Run(NamedTuple):
-    """The sliding velocity, m/s, and the friction force, N, at the times; after: the last velocity; slack: as in the
-    core; estimated: error of any velocity, m/s."""
+    """The sliding velocity, m/s, the friction force, N, and the radius inside which all sticks, m, at the times; after:
+    the last velocity; regime: place in `REGIMES`; estimated: error of any velocity, m/s; phases: time, s, and kind."""
 
     velocity: Array
     force: Array
+    stuck: Array
     after: float
-    slack: float
+    regime: int
     estimated: float
+    phases: list[tuple[float, int]]
 
 
-def tangential(given: Sliding, times: Array, force: Array, radius: Array) -> Run:
-    """The tangential motion over evenly spaced times, s. force: F ≥ 0, N. radius: of the contact, m; both 0 without
-    contact. Raises SimulationError for numbers out of range."""
-    numbers = float(given.modulus), float(given.mass), float(given.velocity)
-    found, velocity, forces = core.impact(SPRINGS, numbers, given.pairs, float(times[1]), force, radius, rows=True)
+def tangential(given: Sliding, power: float, times: Array, force: Array, radius: Array) -> Run:
+    """The tangential motion over evenly spaced times, s. power: of the contact radius with which the depth grows.
+    force: F ≥ 0, N. radius: of the contact, m; both 0 without contact. Raises SimulationError for numbers out of
+    range."""
+    numbers = float(given.modulus), power, float(given.mass), float(given.velocity)
+    found, motion = core.impact(SPRINGS, numbers, given.pairs, float(times[1]), force, radius, rows=True)
     if found is None:
         raise SimulationError("friction: a number is out of the range of the springs")
-    return Run(velocity, forces, found.velocity, found.slack, SAFETY * found.apart)
+    velocity, friction, stuck = motion.T
+    return Run(velocity, friction, stuck, found.velocity, found.regime, SAFETY * found.apart, found.watch.phases)

@@ -64,14 +64,14 @@ class SteppedFriction:
         self._along, self._spin = float(given.along), float(given.impactor.spin)
         self._velocity = float(given.ratio) * scales.velocity
         self.table: Array = np.empty((0, 2)) if given.table is None else given.pairs / (self._velocity, 1.0)
-        self._force, self._time = scales.force, scales.time
+        self._force, self._time, self._curve = scales.force, scales.time, problem.curve.native
         self._mass = 1.0 / float(given.parameter * scene.effective_mass)
         self.begin()
 
     def begin(self) -> None:
         """Return to the start."""
         sliding = float(self._given.velocity) / self._velocity
-        self.core = core.begin(float(self._given.friction), self._mass, sliding)
+        self.core = core.begin(self._curve, float(self._given.friction), self._mass, sliding)
         self._pushes, self._gained = Pushes(), (0.0, 0.0)
 
     def push(self, pushes: Pushes) -> None:
@@ -84,9 +84,7 @@ class SteppedFriction:
 
     def begun(self, time: float) -> list[tuple[float, str]]:
         """Times, s, and names of the phases that began in the last step. time: at its begin, s."""
-        count = self.core.events
-        times, kinds = self.core.begins[:count], self.core.kinds[:count]
-        return [(time + begin * self._time, KINDS[kind]) for begin, kind in zip(times, kinds, strict=True)]
+        return [(time + begin * self._time, KINDS[kind]) for begin, kind in self.core.watch.phases]
 
     def gain(self, dt: float) -> None:
         """A time, s, in which what acts has acted."""
@@ -107,7 +105,7 @@ class SteppedFriction:
             now.springs.q * self._force,
             impulse,
             work,
-            "free" if now.phase < 0 else KINDS[now.phase],
+            "free" if now.watch.phase < 0 else KINDS[now.watch.phase],
         )
 
     def save(self) -> SavedSliding:

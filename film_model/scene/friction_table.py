@@ -43,31 +43,30 @@ class FrictionTable:
     def slid(self, velocity: float, impulse: float) -> float:
         """The sliding velocity after a normal impulse over m_t, m/s, in which the contact slides: v' = −µ(|v|).
 
-        Between two rows µ = a + b v, so that µ falls or grows by e^{−b s} over the impulse s; 0 where sliding ends.
+        Between two rows µ = a + b v, so that µ falls or grows by e^{−b s} over the impulse s. The velocity is that of
+        the far points, which turns while the contact still slides.
         """
-        speed, left = abs(velocity), impulse
-        while speed > 0.0 and left > 0.0:
-            low, high = self._around(speed)
-            now, slope = float(self.at(speed)), (high[1] - low[1]) / (high[0] - low[0])
-            if now == 0.0:
-                break
-            end = max(now + slope * (low[0] - speed), 0.0)  # µ at the lower row
-            whole = (speed - low[0]) / now if slope == 0.0 else math.log(now / end) / slope if end > 0.0 else math.inf
+        v, left = abs(velocity), impulse
+        while left > 0.0 and (now := float(self.at(abs(v)))) > 0.0:
+            low, slope = self._below(v)
+            if slope == 0.0:
+                whole = (v - low) / now
+            else:
+                end = now + slope * (low - v)  # µ at the lower row
+                whole = math.log(now / end) / slope if end > 0.0 else math.inf
             if whole > left:
-                speed -= now * left if slope == 0.0 else -now * math.expm1(-slope * left) / slope
+                v -= now * left if slope == 0.0 else -now * math.expm1(-slope * left) / slope
                 break
-            speed, left = low[0], left - whole
-        return math.copysign(speed, velocity)
+            v, left = low, left - whole
+        return math.copysign(1.0, velocity) * v
 
-    def _around(self, speed: float) -> tuple[tuple[float, float], tuple[float, float]]:
-        """The rows below a speed and from it on; beyond the table µ is constant."""
-        (first, least), last = self.rows[0], self.rows[-1]
-        if speed <= first:
-            return (0.0, least), (first, least)
-        for low, high in pairwise(self.rows):
-            if speed <= high[0]:
-                return low, high
-        return last, (math.inf, last[1])
+    def _below(self, v: float) -> tuple[float, float]:
+        """The row of either sign below a velocity, and dµ/dv from there on; beyond the table µ is constant."""
+        rows = sorted({sign * speed for speed, _ in self.rows for sign in (-1.0, 1.0)})
+        low = max((row for row in rows if row < v), default=-math.inf)
+        high = min((row for row in rows if row >= v), default=math.inf)
+        rises = math.isfinite(low) and math.isfinite(high)
+        return low, float(self.at(abs(high)) - self.at(abs(low))) / (high - low) if rises else 0.0
 
     @property
     def pairs(self) -> Array:

@@ -302,6 +302,8 @@ class ImpactComponent:
         events, begun = list[Event](), list[tuple[float, str]]()
         most = MOST_EVENTS if self._friction is None else MOST_WITH_FRICTION
         motion.renew_work()
+        if self._friction is not None:
+            self._friction.core.steps = 0
         remaining, before = dt / motion.clock, motion.time
         end = before + remaining
         while True:

@@ -150,7 +150,7 @@ def _one_by_one(scene: Scene, columns: Mapping[str, Array], rows: Index, accurac
         problem = _problem(scene, columns, row)
         laws.append(problem.law.name)
         try:
-            found, estimated = vibrate(problem, problem.scene.target, accuracy, [])
+            found, estimated = vibrate(problem, problem.scene.target, accuracy, [], recorded=False)
         except CoreError as error:
             status[place] = error.status
             continue
@@ -181,7 +181,7 @@ def _on_one_structure(scene: Scene, columns: Mapping[str, Array], rows: Index, a
     if any(p.law != first.law or p.curve is not first.curve or not p.vibrates for p in problems):
         return None
     try:
-        runs = [vibrate(problem, scene.target, accuracy, []) for problem in problems]
+        runs = [vibrate(problem, scene.target, accuracy, [], recorded=False) for problem in problems]
     except SimulationError:
         return None
     pressed = _pressed(scene, columns, rows, order, places, [problem.load > 0.0 for problem in problems])

@@ -15,7 +15,8 @@ from film_model.core import springs as core
 from film_model.core.friction import COARSE_ERROR
 from film_model.core.records import Lines, recorded, sample_many
 from film_model.oblique import springs
-from film_model.oblique.friction import SLIDING, normal_impulse, radius_in_loading, regime_of, results
+from film_model.oblique.friction import THROUGHOUT, elastic_radius, normal_impulse, radius_beyond_yield, results, slid
+from film_model.oblique.result import REGIMES
 from film_model.problem.problem import Problem
 from film_model.problem.scales import motion_of
 from film_model.scene import DEFAULT_ACCURACY, Solver
@@ -70,8 +71,9 @@ class _Motions:
     durations: Array
     solver: Solver
 
-    def at(self, places: Index, steps: int) -> tuple[Array, Array, Array]:
-        """Times, forces and contact radii of some impacts, (impacts, times), SI; nan without a record."""
+    def at(self, places: Index, steps: int) -> tuple[Array, Array, Array, Array]:
+        """Times, forces and contact radii of some impacts, (impacts, times), SI; nan without a record. Last the power
+        with which the depth of each grows with its radius."""
         problem, times = self.problem.part(places), np.linspace(0.0, 1.0, steps + 1) * self.durations[places, None]
         scales = problem.scales.part((slice(None), None))
         ahead, values = times / scales.time, np.full((5, *times.shape), np.nan)
@@ -85,10 +87,23 @@ class _Motions:
                     values[:, some] = sample_many(curve, lines, ahead[some])
         seen = motion_of(scales, problem.drift[:, None], problem.share[:, None], problem.free, times, values)
         force, depth = np.maximum(seen["contact_force"], 0.0), seen["indentation"]
-        radius = np.ascontiguousarray(radius_in_loading(problem, depth.T, force.T).T)
-        if not problem.curve.reversible:
-            radius = np.array([core.radii(*row, 1.0)[0] for row in zip(force, depth, radius, strict=True)])
-        return times, force, radius
+        return times, force, *_radii(problem, depth, force)
+
+
+def _radii(problem: Problem, depth: Array, force: Array) -> tuple[Array, Array]:
+    """Contact radii, as in :func:`film_model.oblique.friction.contact_radii`, of a law that yields under the first
+    model; and the powers."""
+    powers, radius = np.empty(len(depth)), np.empty(depth.shape)
+    for of, curve in _curves(problem):
+        powers[of] = core.power(curve)
+        if problem.curve.reversible:
+            own = problem.part(of)
+            scales, modulus = own.scales.part((slice(None), None)), column(own.scene.effective_modulus, of.size)
+            radius[of] = elastic_radius(curve, scales, modulus[:, None], depth[of], force[of])
+    if not problem.curve.reversible:
+        law = np.ascontiguousarray(radius_beyond_yield(problem, depth.T, force.T).T)
+        radius = np.array([core.radii(*row, 1.0)[0] for row in zip(force, depth, law, strict=True)])
+    return radius, powers
 
 
 def _curves(problem: Problem) -> Iterator[tuple[Index, native.Curve]]:
@@ -112,24 +127,27 @@ def _followed(
     names, alike = ("modulus", "mass", "velocity"), given.table is not None
     numbers = np.array([column(getattr(given, name), count) for name in names]).T
     pairs = given.pairs if alike else np.stack([np.zeros(count), column(given.friction, count)], axis=1)[:, None]
-    after, peak, when, apart, slack = np.full((5, count), np.nan)
+    after, peak, when, apart = np.full((4, count), np.nan)
+    regime = np.full(count, -1, np.int8)
     left = np.arange(count)
     for level in levels:
-        times, force, radius = motions.at(left, 8 * level)
-        for row, t, f, r in zip(left.tolist(), times, force, radius, strict=True):
-            step = float(t[1])
-            run, *_ = core.impact(level, numbers[row].tolist(), pairs if alike else pairs[row], step, f, r)
+        for row, t, f, r, power in zip(left.tolist(), *motions.at(left, 8 * level), strict=True):
+            modulus, *others = numbers[row].tolist()
+            table = pairs if alike else pairs[row]
+            run, *_ = core.impact(level, (modulus, float(power), *others), table, float(t[1]), f, r)
             if run is not None:
                 after[row], peak[row], apart[row] = run.velocity, run.force, springs.SAFETY * run.apart
-                when[row], slack[row] = t[run.step], run.slack
+                when[row], regime[row] = t[run.step], run.regime
         left = left[apart[left] > tolerance * abs(numbers[left, 2])]
         if left.size == 0:
             break
-    if given.table is not None:
-        impulse = column(normal_impulse(scene, problem, rebound, motions.durations), count) / numbers[:, 1]
-        for row in np.flatnonzero(slack <= SLIDING).tolist():
-            after[row] = given.table.slid(float(numbers[row, 2]), float(impulse[row]))
+    impulse, friction = (
+        column(value, count) for value in (normal_impulse(scene, problem, rebound, motions.durations), given.friction)
+    )
+    for row in np.flatnonzero(regime == REGIMES.index(THROUGHOUT)).tolist():
+        own = given._replace(friction=friction[row], mass=numbers[row, 1], velocity=numbers[row, 2])
+        after[row] = slid(own, float(impulse[row]))
     found = results(scene, given, rebound, after, (peak, when))
     summary = {name: column(value, count) for name, value in found.items()}
     with np.errstate(divide="ignore", invalid="ignore"):
-        return after == after, summary, regime_of(scene, given, slack), apart / abs(numbers[:, 2])
+        return after == after, summary, regime, apart / abs(numbers[:, 2])

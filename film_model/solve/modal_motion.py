@@ -48,6 +48,11 @@ class ModalMotion:
         """Whether the modes are damped."""
         return bool(self.tables.ratio.any())
 
+    def in_contact(self, times: Array) -> Array:
+        """The ascending times, s, with those in flights replaced by where the flights begin."""
+        at = np.maximum(np.searchsorted(self.segments["time"], times, side="right") - 1, 0)
+        return np.where(self.segments["flight"][at] >= 0, np.minimum(self.segments["time"][at], times), times)
+
     def sample(self, times: Array) -> tuple[Array, NDArray[np.int8]]:
         """(count, 5) values ξ, ξ', f, ν, displacement of the struck point at ascending times, and branch of each."""
         return modal.sample(self.tables, self.curve, self.segments, self.flights, times * self.unit)

@@ -230,4 +230,4 @@ def modes_for(problem: Problem, accuracy: float, warnings: list[str]) -> Vibrati
     `FALLBACK_VELOCITY`."""
     moves = problem.approach > 0.0 or problem.load > 0.0
     problem = problem if moves else replace(problem, approach=FALLBACK_VELOCITY)
-    return vibrate(problem, problem.scene.target, accuracy, warnings)[0]
+    return vibrate(problem, problem.scene.target, accuracy, warnings, recorded=False)[0]

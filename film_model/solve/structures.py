@@ -28,6 +28,10 @@ ABOVE = 1.5
 """Frequency of the mode that stands for the omitted ones, over the highest."""
 
 
+SLOWEST = 2.0**-20
+"""Frequency, rad/s, from which the lowest one is sought: a period of ten weeks."""
+
+
 @dataclass(frozen=True)
 class Structure:
     """A target's modes up to the frequency `highest` [rad/s], with the core's tables, which are kept. omitted: the
@@ -131,13 +135,19 @@ def lowest_frequency(target: AbstractTarget) -> float:
 
 
 def _lowest(target: AbstractTarget) -> float:
-    highest, rigid = 2.0**-20, False
+    highest, rigid, growth = SLOWEST, False, 16.0  # four times the half-waves along a side take as long as few
     for _ in range(120):
-        found = target.modes(highest).frequency
+        try:
+            found = target.modes(highest).frequency
+        except TooManyModes:
+            if growth == 2.0:
+                raise
+            highest, growth = 2.0 * highest / growth, 2.0
+            continue
         rigid = rigid or bool(found.size)
         if (bends := found[found > 0.0]).size:
             return float(bends[0])
-        highest *= 2.0
+        highest *= growth
     if rigid:
         return 0.0
     raise SimulationError("the target has no natural vibration that an impact could excite")

@@ -159,12 +159,14 @@ def unused_options(solver: Solver, what: str = "the vibrating target is followed
     return [f"segments and linearisation are not used: {what} with accuracy {asked:g}"]
 
 
-def vibrate(problem: Problem, target: AbstractTarget, accuracy: float, warnings: list[str]) -> tuple[Vibration, float]:
-    """The impact with as many modes as the accuracy needs, and the error estimate.
+def vibrate(
+    problem: Problem, target: AbstractTarget, accuracy: float, warnings: list[str], recorded: bool = True
+) -> tuple[Vibration, float]:
+    """The impact with as many modes as the accuracy needs, and the error estimate. recorded: with its motion.
 
     The highest frequency is doubled, with a smaller tolerance of the steps, until three runs agree; after the first run
-    without a run, as long as contact follows modes near it quickly. If more modes or steps are needed than are allowed,
-    the result is that of the last run, and a warning gives the accuracy reached.
+    without a run, as long as contact follows modes near it quickly. If more modes are needed than are allowed, or all
+    runs together would take more work, the result is that of the last run, and a warning gives the accuracy reached.
     """
     unit = problem.scales.time
     still, lowest, limit = _on_a_fixed_target(problem), structures.lowest_frequency(target), time_limit(problem, target)
@@ -183,6 +185,8 @@ def vibrate(problem: Problem, target: AbstractTarget, accuracy: float, warnings:
     except TooManyModes:
         most = structures.computable(target, tried[-1] / 2.0**0.5, unit, UNRESOLVED * first)
         found, estimated = _refined(problem, modes, limit, (most / 4.0, most), accuracy, warnings)
+    if recorded:
+        found = _recorded(problem, found)
     own = _target_error(problem, target, modes(found.highest / 2.0), found, accuracy)
     if estimated <= accuracy < estimated + own:
         warnings.append(
@@ -202,7 +206,7 @@ def _target_error(
     if error <= NEGLIGIBLE * accuracy * (soft + (target.compliance or 0.0)):
         return 0.0
     same, other = (
-        run(problem, each, found.start.tolerance, found.start.limit)
+        run(problem, each, found.start.tolerance, found.start.limit, recorded=False)
         for each in (structure, structures.softer(structure, error))
     )
     return max(map(float, differences(problem, same.summary, other.summary).values()))
@@ -213,21 +217,27 @@ def _refined(
 ) -> tuple[Vibration, float]:
     """`vibrate` with the highest frequency from and up to two values. limit: as of `run`."""
     (highest, most), tolerance = between, step_tolerance(accuracy)
-    runs = [run(problem, modes(highest), REFINED * tolerance, limit)]
+
+    def follow(upto: float, tolerance: float) -> Vibration:
+        return run(problem, modes(upto), tolerance, limit, recorded=False)
+
+    modes(2.0 * highest)  # TooManyModes before a run
+    runs = [follow(highest, REFINED * tolerance)]
     tolerance = max(tolerance * _step_share(problem, runs[0], modes(highest)), TIGHTEST)
     while math.isinf(most) and _swiftness(problem, runs[0], modes(2.0 * highest)) > FOLLOWED * 2.0 * highest:
         highest *= 2.0
     while True:
         try:
-            runs.append(run(problem, modes(2.0 * highest), tolerance, limit, 2 * int(runs[-1].summary.lines)))
+            runs.append(follow(2.0 * highest, tolerance))
             highest *= 2.0
-            last = highest >= most or 4 * runs[-1].work > modal.MOST_WORK or 4 * runs[-1].modes > structures.MOST_MODES
+            work = sum(each.work for each in runs) + 4 * runs[-1].work
+            last = highest >= most or work > modal.MOST_WORK or 4 * runs[-1].modes > structures.MOST_MODES
         except (CoreError, TooManyModes) as error:  # of steps: a stiff omitted mode rattles between the others
             if len(runs) == 1 or (isinstance(error, CoreError) and error.status != native.TOO_MANY):
                 raise
             last = True
         if last and len(runs) == 2:  # the difference to fewer modes than those of the first run is known quickly
-            runs.insert(0, run(problem, modes(highest / 4.0), REFINED**2 * tolerance, limit))
+            runs.insert(0, follow(highest / 4.0, REFINED**2 * tolerance))
         if len(runs) > 2:
             before, change = (differences(problem, *(r.summary for r in pair)) for pair in (runs[-3:-1], runs[-2:]))
             errors = {name: float(error_of(problem, before[name], change[name])) + tolerance for name in change}
@@ -236,6 +246,13 @@ def _refined(
             if last:
                 return runs[-1], _unreached(runs[-1], errors, accuracy, warnings)
         tolerance = max(tolerance / REFINED, TIGHTEST)
+
+
+def _recorded(problem: Problem, found: Vibration) -> Vibration:
+    """The same run with its record: most runs are compared only, and recording takes as long as the steps."""
+    again = modal.impact(found.tables, found.curve, found.start, int(found.summary.lines))
+    _check(again.status, problem, found.tables)
+    return replace(found, segments=again.segments, flights=again.flights, met=again.events)
 
 
 def _unreached(found: Vibration, errors: dict[str, float], accuracy: float, warnings: list[str]) -> float:
@@ -284,20 +301,18 @@ def time_limit(problem: Problem, target: AbstractTarget) -> float:
 
 
 def run(
-    problem: Problem, structure: structures.Structure, tolerance: float, limit: float, expected: int = 0
+    problem: Problem, structure: structures.Structure, tolerance: float, limit: float, recorded: bool = True
 ) -> Vibration:
-    """The impact on these modes. tolerance: of a step. limit: time at which contact is no longer followed, s. expected:
-    about how many steps it takes, which saves time if they are many."""
+    """The impact on these modes. tolerance: of a step. limit: time at which contact is no longer followed, s. recorded:
+    with its motion and events."""
     scales = problem.scales
     tables, rest = structures.tables_of(problem, structure, structure.omitted * scales.force / scales.length)
     curve = curve_of(problem.law).native
     start = modal.Start(
         problem.approach, problem.load, rest, problem.mass, scales.time, problem.damping, tolerance, limit
     )
-    found = modal.impact(tables, curve, start, expected)
-    if found.status == native.TOO_MANY:
-        raise CoreError(f"law {problem.law.name}: {_too_many_steps(problem, tables)}", found.status)
-    raise_failure(found.status, problem)
+    found = modal.impact(tables, curve, start, recorded=recorded)
+    _check(found.status, problem, tables)
     core = found.summary.core
     for name in ("time_of_maximum_indentation", "time_impactor_stops", "contact_duration"):
         setattr(core, name, getattr(core, name) / scales.time)
@@ -316,6 +331,13 @@ def run(
         contacts=found.summary.contacts,
         waited=bool(found.summary.waited),
     )
+
+
+def _check(status: int, problem: Problem, tables: modal.Tables) -> None:
+    """Raise for a run that failed."""
+    if status == native.TOO_MANY:
+        raise CoreError(f"law {problem.law.name}: {_too_many_steps(problem, tables)}", status)
+    raise_failure(status, problem)
 
 
 def _too_many_steps(problem: Problem, tables: modal.Tables) -> str:

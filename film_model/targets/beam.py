@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import Any, ClassVar, Literal
 
 from film_model.base.arrays import same
-from film_model.base.errors import raise_all
+from film_model.base.errors import TooManyModes, raise_all
 from film_model.base.fields import Field, choice, measure, mistake
 from film_model.base.materials import REQUIRED_MATERIAL, Material, MaterialLike
 from film_model.base.units import Value
@@ -223,9 +223,12 @@ class Beam(AbstractTarget):
         if self.wide:
             return no_effect("the beam is taken for a plate, which bends across its width")
         (duration, contact), place, plain = impact.held, (self._struck, self.width / 2), self._line_without_shear
-        strip = pulse_response(
-            lambda highest: panel_modes(self._strip, place, highest), panel_compliance(self._strip, place), duration
-        )
+        try:
+            strip = pulse_response(
+                lambda highest: panel_modes(self._strip, place, highest), panel_compliance(self._strip, place), duration
+            )
+        except TooManyModes:
+            return Estimate("the contact is too short: more vibrations across the width matter than can be computed")
         beam = pulse_response(
             lambda highest: line_modes(plain, place[0], highest), line_compliance(plain, place[0]), duration
         )

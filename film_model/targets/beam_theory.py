@@ -24,6 +24,9 @@ from film_model.targets.modes import Array, Modes, Points, check_count, projecte
 MOST_WAVES = 300
 """Most half-waves of a beam that is not simply supported: their vibrations take half a second."""
 
+MOST_SHEARED = 200
+"""The same in Timoshenko's theory."""
+
 LEAST = 8
 """Half-waves that are described at least."""
 
@@ -73,9 +76,9 @@ def line_modes(beam: Line, position: float, highest: float, others: Points = ())
     check_count(waves)
     if simple:
         return _simple(beam, places, highest, waves)
-    if waves > MOST_WAVES:
+    if waves > (most := MOST_WAVES if math.isinf(beam.shear) else MOST_SHEARED):
         raise TooManyModes(
-            f"the vibrations of this beam need {waves:.0f} half-waves, but at most {MOST_WAVES} are allowed: take "
+            f"the vibrations of this beam need {waves:.0f} half-waves, but at most {most} are allowed: take "
             "simply supported ends"
         )
     count = max(LEAST, int(waves) + 2)

@@ -57,9 +57,11 @@ def line(ends: tuple[str, str], count: int) -> Line:
     ends: "clamped", "simply supported" or "free".
     """
     parts = _parts(ends, 2 * count + 12)  # a shape of n half-waves takes polynomials up to degree 2 n
-    lowest = np.sort(np.concatenate([_shapes(part)[0] for part in parts]))[count - 1]
+    known = [_shapes(part) for part in parts]
+    highest = np.sort(np.concatenate([bent for bent, _ in known]))[count - 1]
     more = 0 if ends == SIMPLE else JOINED // len(parts)
-    return _line([_joined(part, lowest, more) for part in parts], more * len(parts))
+    rows = [_joined(part, *shapes, highest, more) for part, shapes in zip(parts, known, strict=True)]
+    return _line(rows, more * len(parts))
 
 
 @lru_cache(maxsize=32)
@@ -138,9 +140,11 @@ def _shapes(space: Array) -> tuple[Array, Array]:
     return np.sum((found @ curve) ** 2, axis=1), found @ space
 
 
-def _joined(space: Array, highest: float, more: int) -> Array:
-    """The shapes with ∫f″² up to `highest`, and `more` functions for the lowest polynomials of the space."""
-    bent, rows = _shapes(space)
+def _joined(space: Array, bent: Array, rows: Array, highest: float, more: int) -> Array:
+    """The shapes with ∫f″² up to `highest`, and `more` functions for the lowest polynomials of the space.
+
+    bent, rows: of `_shapes`.
+    """
     among = bent <= highest * (1 + 1e-9)
     taken, rest = rows[among], rows[~among]
     if more == 0:

@@ -117,5 +117,5 @@ def sorted_modes(frequency: Array, share: Array, highest: float, factor: Array |
     order = np.argsort(frequency, axis=None, kind="stable")
     factors = np.zeros((0, order.size)) if factor is None else factor.reshape(len(factor), order.size)
     frequency, share = frequency.ravel()[order], share.ravel()[order]
-    kept = (frequency <= highest) & (share > 1e-20 * share.max())
+    kept = (frequency <= highest) & (share > 1e-20 * share.max(initial=0.0))
     return Modes(frequency[kept], share[kept], factor=factors[:, order[kept]])

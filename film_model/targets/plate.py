@@ -217,7 +217,7 @@ class Plate(AbstractTarget):
         if self.size is None:
             return math.inf
         sides = zip(self._struck, self.size, self.stiffness[::2], strict=True)
-        times = (0.08 * min(x, side - x) ** 2 * root(self.surface_density / d) for x, side, d in sides)
+        times = (0.08 * lesser(x, side - x) ** 2 * root(self.surface_density / d) for x, side, d in sides)
         return reduce(lesser, times)
 
     @property

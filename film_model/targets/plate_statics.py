@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from film_model.base.arrays import Number, of_each, root
+from film_model.core import plates
 
 
 def anisotropy(d11: float, d12: float, d22: float, d66: float) -> float:
@@ -27,33 +28,15 @@ def plate_compliance(
     fractions. The terms of the sum over i approach those of Σ sin²(iπx/a)/i³ exponentially; that sum is known, and the
     remainder is added up to rounding. The result is 0.0116008 L²/D at the centre of a square isotropic plate.
     """
-    (d11, _, d22, _), (a, b) = stiffness, size
-    total = of_each(_navier_sum, anisotropy(*stiffness), d11 / d22, *size, *position)
-    return 4 * b**3 / (math.pi**4 * a * d22) * total
+    d11, _, d22, _ = stiffness
+    return of_each(_of_unit_stiffness, anisotropy(*stiffness), d11 / d22, *size, *position) / d22
 
 
 @lru_cache(maxsize=64)
-def _navier_sum(ratio: float, stiffer: float, a: float, b: float, x: float, y: float) -> float:
-    """The double series over π⁴ j⁴ D22/b⁴, for the anisotropy `ratio` and stiffer = D11/D22: the same for all isotropic
+def _of_unit_stiffness(ratio: float, stiffer: float, a: float, b: float, x: float, y: float) -> float:
+    """The same of a plate with D22 = 1, the anisotropy `ratio` and D11 = stiffer: the same for all isotropic
     materials."""
-    i = np.arange(1.0, 10_001.0)
-    mean = stiffer**0.5 * (b / a) ** 2 * i**2  # p², q² = mean (A ± √(A² − 1)), the roots in −j²
-    spread = np.emath.sqrt(complex(ratio**2 - 1))
-    theta = 2 * math.pi * y / b
-
-    def g(square: Any) -> Any:
-        p = np.sqrt(square)
-        far = np.exp(-2 * math.pi * p)
-        return math.pi / (2 * p) * (1 + far - np.exp(-p * theta) - np.exp(-p * (2 * math.pi - theta))) / (1 - far)
-
-    if abs(spread) > 1e-6 * abs(ratio):
-        inner = ((g(mean * (ratio + spread)) - g(mean * (ratio - spread))) / (-4 * mean * spread)).real
-    else:  # the derivative, by a complex step
-        inner = -g(mean * ratio * (1 + 1e-8j)).imag / (2e-8 * mean * ratio)
-    limit = math.pi / (4 * math.sqrt(2 * (1 + ratio))) * (stiffer**0.5 * (b / a) ** 2) ** -1.5
-    waves = np.sin(i * math.pi * x / a) ** 2
-    cosines = float(np.sum(np.cos(2 * math.pi * x / a * i) / i**3))
-    return float(np.sum(waves * (inner - limit / i**3))) + limit * (_ZETA_3 - cosines) / 2
+    return plates.compliance(plates.Plate(a, b, 1.0, stiffer, ratio * math.sqrt(stiffer), 1.0, 0.0), x, y)
 
 
 def levy_compliance(

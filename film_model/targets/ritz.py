@@ -24,19 +24,22 @@ from film_model.targets.modes import Modes, Points, check_count, projected, sort
 Block = tuple[Index, Index]
 """Numbers p and q of some products."""
 
-MOST_FUNCTIONS = 1500
-"""Largest number of products that interact: their vibrations take a second and 60 MB."""
+MOST_FUNCTIONS = 1200
+"""Largest number of products that interact: their vibrations take 0.2 s and 40 MB."""
 
-MOST_WAVES = 200
+MOST_WAVES = 160
 """Most half-waves along a side, twice as many if its ends are alike, unless two opposite edges are simply supported:
-their shapes take a second."""
+their shapes take 0.2 s."""
 
 SHARPNESS = ((2.0, 300), (1.6, 1000), (1.3, MOST_FUNCTIONS))
 """Highest frequency of the products over the highest that is asked for, and the number of products that it may take.
 Errors of the highest frequency are then up to 1e-3, 2e-3 and 4e-3; below half of it up to 1e-4, 1e-4 and 2e-4."""
 
-MOST_STRIPS = 3e9
-"""Largest sum of the cubes of the numbers of polynomials of all half-waves: their vibrations take a second."""
+MOST_STRIPS = 1e9
+"""Largest sum of the cubes of the numbers of polynomials of all half-waves: their vibrations take 0.4 s."""
+
+WORK_OF_A_STRIP = 5e5
+"""What each half-wave adds to that sum, however few its polynomials."""
 
 MOST_DEGREE = 128
 """Highest degree of the polynomials across a strip: rounding spoils those of higher degree. Shapes of a beam replace
@@ -145,7 +148,7 @@ def _strips(panel: Panel, points: Points, highest: float) -> list[tuple[Array, A
     wave = wave[np.abs(np.sin(wave * points[0][0])) > NODE]
     places, orders = np.split(np.array([(*point, 0.0, 0.0)[:4] for point in points]).T, 2)
     degree, groups = _degrees(panel, wave, highest), 2 if _symmetric(panel, 1) else 1
-    if float(np.sum((degree / groups) ** 3)) > MOST_STRIPS:
+    if float(np.sum((degree / groups) ** 3 + WORK_OF_A_STRIP)) > MOST_STRIPS:
         raise TooManyModes(
             f"the vibrations of this plate need {wave.size} half-waves along one side, each with up to "
             f"{degree.max()} polynomials across, which takes too long: set boundary_reflections = false in [effects]"

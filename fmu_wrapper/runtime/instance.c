@@ -27,6 +27,11 @@ static int report_model_error(const instance *i, const char *function) {
     return instance_error(i, function, "%s", i->model.message);
 }
 
+static int fail(instance *i, const char *function) {
+    i->state.mode = FAILED;
+    return report_model_error(i, function);
+}
+
 /* Send a warning for every assumption of the export that has been found not to hold. */
 static void announce_validity(instance *i) {
     char text[LONGEST_MESSAGE];
@@ -174,13 +179,14 @@ int instance_get(instance *i, const char *function, unsigned reference, int type
 
 int instance_set(instance *i, const char *function, unsigned reference, int type, int or_type, double value) {
     if (of_type(i, function, reference, type, or_type) != GOOD) return ERROR;
-    int running = !(i->state.mode & (INSTANTIATED | INITIALIZATION)), tuned = running && model_is_parameter(&i->model, reference);
-    if (tuned && !(VARIABLE[reference].tunable && i->state.mode & (STEPPING | EVENT)))
+    int changed = !(i->state.mode & (INSTANTIATED | INITIALIZATION)) && model_is_parameter(&i->model, reference);
+    int moved = changed && i->state.mode == CONTINUOUS; /* which FMI does not ask for, but optimisers do */
+    if (changed && !moved && !(VARIABLE[reference].tunable && i->state.mode & (STEPPING | EVENT)))
         return instance_error(i, function, "%s can only be set before the end of Initialization Mode%s", VARIABLE[reference].name,
                               VARIABLE[reference].tunable ? ", and between steps or in Event Mode" : "");
     int state = i->model_exchange && i->state.mode == CONTINUOUS && model_is_state(&i->model, reference);
-    int status = (state ? model_set_state : tuned ? model_tune : model_set)(&i->model, reference, value);
-    return status < 0 ? report_model_error(i, function) : GOOD;
+    int (*set)(model *, unsigned, double) = state ? model_set_state : moved ? model_move_parameter : changed ? model_tune : model_set;
+    return set(&i->model, reference, value) < 0 ? report_model_error(i, function) : GOOD;
 }
 
 int instance_derivatives(instance *i, const char *function, const unsigned *unknowns, size_t unknown_count,
@@ -251,8 +257,7 @@ int instance_restore(instance *i, const char *function, const void *saved) {
         model_restore_beside(&i->model, state + 1);
         return GOOD;
     }
-    i->state.mode = FAILED; /* the mesh does not belong to the restored memory */
-    return report_model_error(i, function);
+    return fail(i, function); /* the mesh does not belong to the restored memory */
 }
 
 int instance_size(instance *i, const char *function, const void *saved, size_t *size) {
@@ -310,10 +315,7 @@ int instance_step(instance *i, const char *function, double from, double size, i
     if (i->event_mode && model_has_unreported(&i->model))
         return instance_error(i, function, "the event at %.17g s must first be handled in Event Mode", now->time);
     int stopped, status = model_step(&i->model, end > now->time ? end : now->time, i->event_mode && i->early_return, &stopped);
-    if (status < 0) {
-        i->state.mode = FAILED;
-        return report_model_error(i, function);
-    }
+    if (status < 0) return fail(i, function);
     announce_validity(i);
     if (!i->event_mode) model_report(&i->model);
     *event = model_has_unreported(&i->model);
@@ -334,10 +336,7 @@ int instance_enter_event_mode(instance *i, const char *function) {
 int instance_update(instance *i, const char *function, int *restart) {
     *restart = 0;
     ALLOW(EVENT);
-    if (i->model_exchange && model_apply_events(&i->model) < 0) {
-        i->state.mode = FAILED;
-        return report_model_error(i, function);
-    }
+    if (i->model_exchange && model_apply_events(&i->model) < 0) return fail(i, function);
     announce_validity(i);
     *restart = i->model_exchange && model_has_unreported(&i->model);
     model_report(&i->model);
@@ -390,8 +389,8 @@ int instance_vector(instance *i, const char *function, int what, double *values,
     if (count != expected) return instance_error(i, function, "%u values, but there are %u", (unsigned)count, (unsigned)expected);
     NEED(values, count);
     if (!i->model.memory.initialized && model_initialize(&i->model, i->model.memory.start_time) < 0) return report_model_error(i, function);
-    if (count == 0) return GOOD;
     int status = 0;
+    if (count == 0) return GOOD;
     if (what == GET_STATES) memcpy(values, i->model.memory.states, count * sizeof *values);
     else if (what == GET_NOMINALS) memcpy(values, i->data->nominal, count * sizeof *values);
     else if (what == GET_INDICATORS) status = model_indicators(&i->model, values);

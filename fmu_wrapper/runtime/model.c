@@ -160,22 +160,35 @@ static int begin_beside(model *m, double nu, double xi, double gamma) {
     return vibrates(m) ? modes_begin(m, &on_modes, xi) : relaxes(m) ? relaxing_begin(m, &relaxing, xi) : FILM_OK;
 }
 
+/* Scales, mesh and curve for the parameters. */
+static int scale(model *m) {
+    model_memory *now = &m->memory;
+    const double *value = now->value;
+    now->length = model_scaled(m, m->data->length_scale, m->data->length_power, SCALINGS);
+    now->force = model_scaled(m, m->data->force_scale, m->data->force_power, SCALINGS);
+    if (m->data->available[EXPONENT]) now->force *= pow(now->length, value[EXPONENT] - m->data->start[EXPONENT]); /* K length^q */
+    now->time_scale = m->data->kind == CONTACT ? 1.0 : sqrt(value[MASS] * now->length / now->force);
+    now->velocity = now->length / now->time_scale;
+    if (!(now->length > 0.0 && now->length < INFINITY && now->force > 0.0 && now->force < INFINITY && now->time_scale > 0.0 &&
+          now->velocity < INFINITY))
+        return model_error(m, "the parameters give invalid scales: length %g m, force %g N, time %g s", now->length,
+                           now->force, now->time_scale);
+    return model_update(m);
+}
+
+/* F/(Z velocity) in the core's units; 0 for a target that does not move. */
+static double gamma_of(const model *m) {
+    double impedance = m->memory.value[TARGET_IMPEDANCE];
+    return m->data->kind == CONTACT || impedance >= RIGID ? 0.0 : m->memory.force / (impedance * m->memory.velocity);
+}
+
 int model_initialize(model *m, double time) {
     model_memory *now = &m->memory;
     const double *value = now->value;
     int contact = m->data->kind == CONTACT;
-    now->length = model_scaled(m, m->data->length_scale, m->data->length_power, SCALINGS);
-    now->force = model_scaled(m, m->data->force_scale, m->data->force_power, SCALINGS);
-    if (m->data->available[EXPONENT]) now->force *= pow(now->length, value[EXPONENT] - m->data->start[EXPONENT]); /* K length^q */
-    now->time_scale = contact ? 1.0 : sqrt(value[MASS] * now->length / now->force);
-    now->velocity = now->length / now->time_scale;
-    if (!(now->length > 0.0 && now->length < INFINITY && now->force > 0.0 && now->force < INFINITY && now->time_scale > 0.0 &&
-          now->velocity < INFINITY && isfinite(time)))
-        return model_error(m, "the parameters give invalid scales: length %g m, force %g N, time %g s", now->length,
-                           now->force, now->time_scale);
-    if (model_update(m) < 0) return -1;
-    double rigid = value[TARGET_IMPEDANCE] >= RIGID, gap = contact ? 0.0 : value[INITIAL_GAP];
-    double gamma = contact || rigid ? 0.0 : now->force / (value[TARGET_IMPEDANCE] * now->velocity);
+    if (!isfinite(time)) return model_error(m, "the start time of %g s is not finite", time);
+    if (scale(m) < 0) return -1;
+    double gap = contact ? 0.0 : value[INITIAL_GAP], gamma = gamma_of(m);
     now->support = contact ? 0.0 : value[SUPPORT_VELOCITY];
     now->load = contact ? 0.0 : load_of(m);
     now->support_displacement = 0.0;
@@ -208,6 +221,46 @@ int model_initialize(model *m, double time) {
     if (slides(m) && sliding_begin(m) < 0) return -1;
     now->initialized = 1;
     return 0;
+}
+
+/* Whether the contact remembers the parameters that it began with: off the law's own stages, or apart from a dent. */
+static int remembers(const film_state *state) {
+    return state->branch == FILM_FREE ? state->xi_free != 0.0 : state->branch < 0;
+}
+
+static int move_to(model *m, unsigned reference, double value) {
+    model_memory *now = &m->memory;
+    double force = now->force, velocity = now->velocity;
+    if (model_set(m, reference, value) < 0) return -1;
+    now->initialized = 1; /* the motion goes on */
+    if (scale(m) < 0) return -1;
+    film_state *state = &now->state;
+    if (film_damp(state, damper_of(m)) < 0) return bad_damping(m);
+    state->gamma = state->line.gamma = gamma_of(m);
+    if (state->branch != FILM_FREE) state->line.damper = state->damper;
+    state->force_peak *= force / now->force;
+    now->contact_speed *= velocity / now->velocity;
+    return 0;
+}
+
+int model_move_parameter(model *m, unsigned reference, double value) {
+    double before = m->memory.value[reference];
+    int of_start = reference == INITIAL_VELOCITY || reference == INITIAL_GAP || VARIABLE[reference].type != REAL;
+    int of_body = reference == MASS || reference == TARGET_IMPEDANCE || reference == GRAVITY;
+    if (of_start) return model_error(m, "%s belongs to the start: it can only be set before the end of Initialization Mode",
+                                     VARIABLE[reference].name);
+    if (!of_body && remembers(&m->memory.state))
+        return model_error(m, "%s cannot change now: the contact remembers an indentation with the parameters that it began with",
+                           VARIABLE[reference].name);
+    if (move_to(m, reference, value) == 0) {
+        m->memory.actual.validity |= model_validity_of_parameters(m);
+        return 0;
+    }
+    char said[sizeof m->message];
+    memcpy(said, m->message, sizeof said);
+    move_to(m, reference, before);
+    memcpy(m->message, said, sizeof said);
+    return -1;
 }
 
 /* ---------------------------------------------------------------- steps */
@@ -256,6 +309,7 @@ static int impact_step(model *m, double end, int stop_at_events, int *stopped) {
     if (apply_inputs(m) < 0) return -1;
     if (!isfinite((end - now->start_time) / clock)) return model_error(m, "a step to %g s is too long", end);
     if (vibrates(m)) modes_renew_work(m);
+    now->sliding.steps = 0;
     int most = slides(m) ? MAX_SLIDING_EVENTS : MAX_STEP_EVENTS;
     for (int events = 0;;) {
         double before = state->time, left = fmax((end - now->start_time) / clock - before, 0.0);

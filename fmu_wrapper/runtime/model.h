@@ -123,6 +123,8 @@ typedef struct {
     double tangential_support;                   /* the input in use, m/s */
     double pushed, turned;                       /* integrals of tangential_force and torque, N s and N m s */
     film_sliding sliding;                        /* motion along the surface, of an FMU with friction */
+    double sliding_time;                         /* when its latest phase began, s; and what and how many */
+    int32_t sliding_event, sliding_events;
     film_state state;                            /* on a vibrating target (time in s), and of viscoelastic bodies: as the state
                                                     beside this memory, with the motion now */
     model_record actual, reported; /* after the latest event; as outputs show it, until the next model_report */
@@ -169,6 +171,9 @@ void model_free(model *m);
 int model_set(model *m, unsigned reference, double value);
 /* The same of a tunable parameter in a running simulation. */
 int model_tune(model *m, unsigned reference, double value);
+/* The same of any parameter but those of the start, between steps of the importer's integrator: rates and outputs are functions of
+ * states, inputs and parameters. Refused, except mass, impedance and gravity, while a contact remembers an indentation. */
+int model_move_parameter(model *m, unsigned reference, double value);
 int model_get(model *m, unsigned reference, double *value);
 /* Let an input of an impact change at a constant rate in the next step of Co-Simulation; its mean moves the impactor.
  * order: of the time derivative; only 1 is known, here and of outputs. */

@@ -185,6 +185,8 @@ int model_depends(const model *m, unsigned unknown, unsigned known) {
     if (model_of_friction(unknown)) return slides(m) ? 0 : -1;
     if (!exchange && is_state(known)) return model_depends(m, unknown, TIME); /* they are no states there */
     int impact = m->data->kind == IMPACT;
+    if (model_is_parameter(m, known) && !vibrates(m) && model_depends(m, unknown, TIME) >= 0)
+        return (impact || unknown == CONTACT_FORCE) && unknown != MEAN_CONTACT_FORCE;
     int by_rate = impact ? known == IMPACTOR_VELOCITY || known == SUPPORT_VELOCITY : known == RELATIVE_VELOCITY;
     int by_force = known == INDENTATION || (damped(m) && by_rate);
     switch (unknown) {
@@ -203,8 +205,7 @@ int model_depends(const model *m, unsigned unknown, unsigned known) {
     case IMPACTOR_ACCELERATION: return by_force || known == EXTERNAL_FORCE;
     default: break;
     }
-    if (!model_is_discrete(unknown)) return -1;
-    return impact && unknown != MEAN_CONTACT_FORCE && !vibrates(m) && model_is_parameter(m, known);
+    return model_is_discrete(unknown) ? 0 : -1;
 }
 
 int model_partial(model *m, unsigned unknown, unsigned known, double *partial) {

@@ -62,7 +62,7 @@ static inline int sprung(const model *m) { return m->data->kind == IMPACT && m->
 int sliding_begin(model *m);
 void sliding_input(model *m);
 int sliding_follow(model *m, const film_state *from, double time);
-static inline int model_of_friction(unsigned reference) { return reference >= SLIDING_VELOCITY && reference <= FRICTION_WORK; }
+static inline int model_of_friction(unsigned reference) { return reference >= SLIDING_VELOCITY && reference <= TIME_OF_LAST_SLIDING_EVENT; }
 double sliding_output(const model *m, unsigned reference);
 static inline int slides(const model *m) { return m->data->kind == IMPACT && m->data->available[FRICTION]; }
 

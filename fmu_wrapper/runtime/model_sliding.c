@@ -13,9 +13,11 @@ int sliding_begin(model *m) {
     const model_friction *own = &m->data->friction;
     const double *value = now->value;
     now->tangential_support = value[TANGENTIAL_SUPPORT_VELOCITY];
-    now->pushed = now->turned = 0.0;
+    now->pushed = now->turned = now->sliding_time = 0.0;
+    now->sliding_event = now->sliding_events = 0;
     double velocity = value[INITIAL_TANGENTIAL_VELOCITY] + own->lever * value[INITIAL_SPIN] - now->tangential_support;
-    int status = film_slide_init(&now->sliding, value[FRICTION], own->ratio / (1.0 + 1.0 / own->inertia), velocity / velocity_unit(m));
+    double mass = own->ratio / (1.0 + 1.0 / own->inertia);
+    int status = film_slide_init(&now->sliding, m->curve, value[FRICTION], mass, velocity / velocity_unit(m));
     if (status < 0) return model_core_error(m, status);
     sliding_input(m);
     return 0;
@@ -35,7 +37,13 @@ int sliding_follow(model *m, const film_state *from, double time) {
     model_memory *now = &m->memory;
     now->pushed += now->value[TANGENTIAL_FORCE] * time * clock_of(m);
     now->turned += now->value[TORQUE] * time * clock_of(m);
-    return vibrates(m) ? FILM_OK : film_slide(m->curve, &m->mesh, from, time, NULL, 0, &now->sliding);
+    int status = vibrates(m) ? FILM_OK : film_slide(m->curve, &m->mesh, from, time, NULL, 0, &now->sliding);
+    const film_watch *watch = &now->sliding.watch;
+    if (watch->events == 0) return status;
+    now->sliding_events += watch->events;
+    now->sliding_event = watch->kinds[watch->events - 1] + 1; /* 0 is free */
+    now->sliding_time = now->start_time + from->time * clock_of(m) + watch->begins[watch->events - 1] * now->time_scale;
+    return status;
 }
 
 double sliding_output(const model *m, unsigned reference) {
@@ -48,6 +56,10 @@ double sliding_output(const model *m, unsigned reference) {
     case SPIN: return now->value[INITIAL_SPIN] + (now->turned - m->data->friction.lever * impulse) / inertia_of(m);
     case FRICTION_FORCE: return s->springs.q * now->force;
     case TANGENTIAL_IMPULSE: return impulse;
+    case SLIDING: return s->watch.phase + 1;
+    case SLIDING_EVENT_COUNT: return now->sliding_events;
+    case LAST_SLIDING_EVENT: return now->sliding_event;
+    case TIME_OF_LAST_SLIDING_EVENT: return now->sliding_time;
     default: return (s->work - film_springs_energy(&s->springs)) * now->force * velocity_unit(m) * now->time_scale;
     }
 }

@@ -1,14 +1,17 @@
 /* Derivatives of outputs by parameters: finite differences of fourth order. See model.h.
  *
- * In Initialization Mode: of all outputs, at the start. In Co-Simulation: of the discrete outputs. Each impact of a stencil is
+ * In Initialization Mode: of all outputs, at the start. In Model Exchange: of the motion, as a function of the states, inputs and
+ * parameters. In Co-Simulation: of all outputs. Each impact of a stencil is
  * marched from the start, with the inputs of the start, to the event that the outputs show now and to the time now. With
- * the same numbers of segments the results are smooth to rounding, so that the differences are exact to about 1e-10. */
+ * the same numbers of segments the results are smooth to rounding, so that the differences are exact to about 1e-10; the motion has
+ * kinks where it passes the end of a segment, beside which it is differenced on the other side or in shorter steps. */
 #include "model_parts.h"
 
 #include <math.h>
 #include <string.h>
 
 enum { POINTS = 5, OTHER_EVENTS = 1 };
+enum { AT_START, INTEGRATED, MARCHED }; /* what is differenced */
 
 /* Step over the parameter, as in film_model/solve/slopes.py. */
 static const double STEP = 1e-3;
@@ -18,16 +21,18 @@ static const double STEP = 1e-3;
  * test_by_parameters_of_what_an_impact_left: in Stronge's law, at a time that is just that of an event. */
 static const double KINK = 1e-9;
 
-/* Points at first, first + 1, ... steps from the value; side: sign of the step. */
+/* Points at first, first + 1, ... times `step` steps from the value. */
 typedef struct {
-    int first, side;
+    int first;
+    double step;
     double weight[POINTS];
 } stencil;
 
 static const stencil STENCIL[] = {
-    {-2, 1, {1.0 / 12.0, -8.0 / 12.0, 0.0, 8.0 / 12.0, -1.0 / 12.0}},
-    {0, -1, {-25.0 / 12.0, 48.0 / 12.0, -36.0 / 12.0, 16.0 / 12.0, -3.0 / 12.0}},
-    {0, 1, {-25.0 / 12.0, 48.0 / 12.0, -36.0 / 12.0, 16.0 / 12.0, -3.0 / 12.0}},
+    {-2, 1.0, {1.0 / 12.0, -8.0 / 12.0, 0.0, 8.0 / 12.0, -1.0 / 12.0}},
+    {0, -1.0, {-25.0 / 12.0, 48.0 / 12.0, -36.0 / 12.0, 16.0 / 12.0, -3.0 / 12.0}},
+    {0, 1.0, {-25.0 / 12.0, 48.0 / 12.0, -36.0 / 12.0, 16.0 / 12.0, -3.0 / 12.0}},
+    {-2, 0.1, {1.0 / 12.0, -8.0 / 12.0, 0.0, 8.0 / 12.0, -1.0 / 12.0}},
 }; /* in the order in which they are tried, the others where one leaves the range of the parameter */
 
 static const double FOURTH[POINTS] = {1.0, -4.0, 6.0, -4.0, 1.0};
@@ -36,20 +41,21 @@ int model_is_discrete(unsigned reference) {
     return reference < VARIABLES && VARIABLE[reference].changes >= AT_STEPS;
 }
 
-static int is_unknown(const model *m, unsigned reference, int initial) {
-    return reference - EVENT_INDICATOR_1 >= FILM_INDICATORS && reference != TIME && VARIABLE[reference].role[m->data->kind] == OUTPUT &&
-           VARIABLE[reference].type == REAL &&
-           (initial ? model_has(m, reference) : model_is_discrete(reference) && reference != MEAN_CONTACT_FORCE && !model_of_friction(reference));
+static int is_unknown(const model *m, unsigned reference, int what) {
+    if (reference - EVENT_INDICATOR_1 < FILM_INDICATORS || reference == TIME || !model_has(m, reference) ||
+        VARIABLE[reference].role[m->data->kind] != OUTPUT || VARIABLE[reference].type != REAL)
+        return 0;
+    if (what == AT_START || !model_is_discrete(reference)) return 1;
+    return what == MARCHED && reference != MEAN_CONTACT_FORCE && !model_of_friction(reference);
+}
+
+static int get_unknowns(model *m, int what, double values[VARIABLES]) {
+    for (unsigned k = 0; k < VARIABLES; k++)
+        if (is_unknown(m, k, what) && model_get(m, k, &values[k]) < 0) return -1;
+    return 0;
 }
 
 /* ---------------------------------------------------------------- the impacts of a stencil */
-
-static int at_start(model *m, double values[VARIABLES]) {
-    if (model_initialize(m, m->memory.start_time) < 0) return -1;
-    for (unsigned k = 0; k < VARIABLES; k++)
-        if (is_unknown(m, k, 1) && model_get(m, k, &values[k]) < 0) return -1;
-    return 0;
-}
 
 /* March to a time, or to the event number `events`; copy the record of that event. Returns OTHER_EVENTS if there are many more. */
 static int march(model *m, double end, int to_event, int32_t events, model_record *record) {
@@ -64,7 +70,7 @@ static int march(model *m, double end, int to_event, int32_t events, model_recor
     return 0;
 }
 
-/* The discrete outputs when the impact `of` has the parameters of m. Returns OTHER_EVENTS if its events then differ. */
+/* The outputs when the impact `of` has the parameters of m. Returns OTHER_EVENTS if its events then differ. */
 static int as_marched(model *m, const model *of, double values[VARIABLES]) {
     const model_memory *then = &of->memory;
     model_record record;
@@ -72,8 +78,7 @@ static int as_marched(model *m, const model *of, double values[VARIABLES]) {
     if (model_initialize(m, then->start_time) < 0) return -1;
     memcpy(&record, &m->memory.actual, sizeof record);
     int status = march(m, then->time, 0, events, &record);
-    for (unsigned k = SETTABLE; k < VARIABLES; k++)
-        if (VARIABLE[k].changes == AT_STEPS && k != MEAN_CONTACT_FORCE && !model_of_friction(k) && model_get(m, k, &values[k]) < 0) return -1;
+    if (status >= 0 && get_unknowns(m, MARCHED, values) < 0) return -1;
     if (status == 0 && m->memory.actual.events < events)
         status = march(m, 2.0 * then->time - then->start_time, 1, events, &record);
     if (status != 0) return status;
@@ -97,24 +102,57 @@ static double step_by(const model *m, unsigned known) {
     return STEP * (known == GRAVITY ? speed * speed / (length + value[INITIAL_GAP]) : 1.0);
 }
 
-static int differences(model *moved, const model *m, unsigned known, int initial, const stencil *at, model_slopes *slopes) {
-    double values[POINTS][VARIABLES] = {{0.0}}, h = at->side * step_by(m, known), point[POINTS];
-    for (int k = 0; k < POINTS; k++) {
-        double value = m->memory.value[known] + h * (at->first + k);
-        memcpy(moved->memory.value, m->memory.value, sizeof moved->memory.value);
-        if (!initial) memcpy(&moved->memory.value[EXTERNAL_FORCE], m->memory.first_inputs, sizeof m->memory.first_inputs);
-        moved->memory.start_time = m->memory.start_time;
-        if (model_set(moved, known, value) < 0) return -1;
-        int status = initial ? at_start(moved, values[k]) : as_marched(moved, m, values[k]);
-        if (status != 0) return status;
-        point[k] = value;
+/* The outputs at another value of a parameter. */
+static int evaluate(model *moved, const model *m, unsigned known, double value, int what, double values[VARIABLES]) {
+    if (what == INTEGRATED) {
+        memcpy(&moved->memory, &m->memory, sizeof moved->memory);
+        return model_move_parameter(moved, known, value) < 0 ? -1 : get_unknowns(moved, what, values);
     }
-    double step = (point[POINTS - 1] - point[0]) / (POINTS - 1), impulse = values[0][CONTACT_IMPULSE];
-    double energy = 0.125 * impulse * impulse / m->memory.value[MASS]; /* that rounding of differences is relative to */
+    memcpy(moved->memory.value, m->memory.value, sizeof moved->memory.value);
+    if (what == MARCHED) memcpy(&moved->memory.value[EXTERNAL_FORCE], m->memory.first_inputs, sizeof m->memory.first_inputs);
+    moved->memory.start_time = m->memory.start_time;
+    if (model_set(moved, known, value) < 0) return -1;
+    if (what == MARCHED) return as_marched(moved, m, values);
+    return model_initialize(moved, m->memory.start_time) < 0 ? -1 : get_unknowns(moved, what, values);
+}
+
+/* What rounding of an output is relative to, where the output itself may be near 0. */
+static double size_of(const model *m, unsigned unknown, double impulse) {
+    double mass = m->memory.value[MASS], length = m->data->nominal[0], speed = m->data->speed;
+    switch (unknown) {
+    case INDENTATION:
+    case IMPACTOR_DISPLACEMENT:
+    case TARGET_DISPLACEMENT: return length;
+    case RELATIVE_VELOCITY:
+    case RATE_OF_INDENTATION:
+    case IMPACTOR_VELOCITY:
+    case TARGET_VELOCITY:
+    case RATE_OF_TARGET_DISPLACEMENT: return speed;
+    case IMPACTOR_ACCELERATION:
+    case RATE_OF_IMPACTOR_VELOCITY: return speed * speed / length;
+    case CONTACT_FORCE: return m->data->kind == IMPACT ? mass * speed * speed / length : 0.0;
+    case KINETIC_ENERGY: return mass * speed * speed;
+    case CONTACT_ENERGY:
+    case TARGET_ENERGY:
+    case EXTERNAL_WORK: return 0.125 * impulse * impulse / mass;
+    default: return 0.0;
+    }
+}
+
+/* again: after another stencil, of the motion that has kinks there. */
+static int differences(model *moved, const model *m, unsigned known, int what, const stencil *at, int again, model_slopes *slopes) {
+    double values[POINTS][VARIABLES] = {{0.0}}, h = at->step * step_by(m, known), point[POINTS];
+    for (int k = 0; k < POINTS; k++) {
+        point[k] = m->memory.value[known] + h * (at->first + k);
+        int status = evaluate(moved, m, known, point[k], what, values[k]);
+        if (status != 0) return status;
+    }
+    double step = (point[POINTS - 1] - point[0]) / (POINTS - 1);
     for (unsigned n = 0; n < VARIABLES; n++) {
-        double sum = 0.0, fourth = 0.0, size = n >= CONTACT_ENERGY && n <= EXTERNAL_WORK ? energy : 0.0;
+        if (again && (!slopes->kinked[n] || model_is_discrete(n))) continue;
+        double sum = 0.0, fourth = 0.0, size = size_of(m, n, values[0][CONTACT_IMPULSE]);
         for (int k = 0; k < POINTS; k++) {
-            sum += at->weight[k] * values[k][n];
+            sum += at->weight[k] * (values[k][n] - values[0][n]); /* exactly 0 of a constant */
             fourth += FOURTH[k] * values[k][n];
             size = fmax(size, fabs(values[k][n]));
         }
@@ -125,34 +163,42 @@ static int differences(model *moved, const model *m, unsigned known, int initial
 }
 
 /* Why there are no derivatives by parameters now, or NULL. */
-static const char *refusal(const model *m) {
-    if (m->data->kind == CONTACT || m->memory.importer_integrates)
-        return "it is known in Initialization Mode, and of an impact in Co-Simulation";
+static const char *refusal(const model *m, int what) {
+    if (what != MARCHED) return NULL;
+    if (m->data->kind == CONTACT) return "of a contact in Co-Simulation it is known in Initialization Mode only";
     if (vibrates(m)) return "on a target that vibrates it is known in Initialization Mode only";
     return m->memory.varied ? "it is known while inputs and tunable parameters are those of the start" : NULL;
 }
 
-static int slopes_by(model *m, unsigned known, int initial, model_slopes *slopes) {
+/* By the first stencil that fits; of motion with a kink there, by the next. */
+static int slopes_over(model *moved, const model *m, unsigned known, int what, model_slopes *slopes) {
+    int found = -1, kinked = 0;
+    for (size_t k = 0; k < sizeof STENCIL / sizeof *STENCIL && (found < 0 || (found == 0 && kinked)); k++) {
+        int status = differences(moved, m, known, what, &STENCIL[k], found == 0, slopes);
+        if (found < 0) found = status;
+        kinked = 0;
+        for (unsigned n = 0; n < VARIABLES; n++) kinked |= what == MARCHED && slopes->kinked[n] && !model_is_discrete(n);
+    }
+    return found;
+}
+
+static int slopes_by(model *m, unsigned known, int what, model_slopes *slopes) {
     const film_variable *by = &VARIABLE[known];
-    const char *why = initial ? NULL : refusal(m);
+    const char *why = refusal(m, what);
     if (by->type != REAL) return model_error(m, "there is no derivative by %s, which is a whole number", by->name);
     if (why) return model_error(m, "there is no derivative by the parameter %s now: %s", by->name, why);
-    if (known == TARGET_IMPEDANCE && m->memory.value[known] >= RIGID) { /* the target does not move */
-        memset(slopes, 0, sizeof *slopes);
-        slopes->by = known;
-        return 0;
-    }
+    memset(slopes, 0, sizeof *slopes);
+    slopes->by = known;
+    if (known == TARGET_IMPEDANCE && m->memory.value[known] >= RIGID) return 0; /* the target does not move */
     model moved;
     model_init(&moved, m->data);
-    int status = -1;
-    for (size_t k = 0; status < 0 && k < sizeof STENCIL / sizeof *STENCIL; k++)
-        status = differences(&moved, m, known, initial, &STENCIL[k], slopes);
+    int status = slopes_over(&moved, m, known, what, slopes);
     if (status < 0) model_error(m, "there is no derivative by %s: %.180s", by->name, moved.message);
     if (status == OTHER_EVENTS)
         model_error(m, "there is no derivative by %s: other events happen within %g %% of %g %s", by->name, 200.0 * STEP,
                     m->memory.value[known], by->unit);
     model_free(&moved);
-    slopes->by = status == 0 ? known : VARIABLES;
+    if (status != 0) slopes->by = VARIABLES;
     return status == 0 ? 0 : -1;
 }
 
@@ -163,10 +209,10 @@ int model_derivative(model *m, unsigned unknown, unsigned known, int initial, mo
         return 0;
     }
     const char *by = VARIABLE[known].name, *of = model_name(m, unknown);
-    if (unknown >= VARIABLES || !is_unknown(m, unknown, initial))
-        return model_error(m, "%s has no derivative by the parameter %s%s", of, by,
-                           initial ? "" : " after Initialization Mode: only what events and contacts leave has one");
-    if (slopes->by != known && slopes_by(m, known, initial, slopes) < 0) return -1;
+    int what = initial ? AT_START : m->memory.importer_integrates ? INTEGRATED : MARCHED;
+    if (unknown >= VARIABLES || !is_unknown(m, unknown, what))
+        return model_error(m, "%s has no derivative by the parameter %s%s", of, by, initial ? "" : " after Initialization Mode");
+    if (slopes->by != known && slopes_by(m, known, what, slopes) < 0) return -1;
     if (slopes->kinked[unknown])
         return model_error(m, "%s has no derivative by %s: there is a kink or jump within %g %% of %g %s", of, by, 200.0 * STEP,
                            m->memory.value[known], VARIABLE[known].unit);

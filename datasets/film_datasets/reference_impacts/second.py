@@ -12,9 +12,10 @@ from typing import Any, NamedTuple, TypeAlias, cast
 import numpy as np
 from scipy.integrate import solve_ivp as integrate
 
+from film_model.core.springs import power
 from film_model.laws.hertz import hertz_stiffness
 from film_model.oblique import springs
-from film_model.oblique.friction import radius_in_loading, results
+from film_model.oblique.friction import contact_radii, results
 from film_model.problem.problem import Problem
 from film_model.scene import STANDARD_GRAVITY, Scene
 from film_model.scene.chain import Chain
@@ -126,8 +127,8 @@ def second_friction(history: History) -> Second:
         times = np.linspace(0.0, history.duration, STEPS + 1)
         seen = history.sample_si(times)
         force = np.maximum(seen.contact_force, 0.0)
-        radius = radius_in_loading(history.problem, np.asarray(seen.indentation), force)
-        run = springs.tangential(given, times, force, radius)
+        radius, *_ = contact_radii(history.problem, np.asarray(seen.indentation), force)
+        run = springs.tangential(given, power(history.problem.curve.native), times, force, radius)
         after, error = run.after, run.estimated
         how = f"{springs.SPRINGS} springs beside each other in {STEPS} steps"
     error += found.estimated * abs(before)

@@ -12,6 +12,9 @@ static const double NEVER = 1e300;
 /* The reference velocity of an impactor that starts at rest, over delta_s/t_s. */
 static const double SLOWEST = 1e-3;
 
+/* A force that rises over this last share of an interval has its maximum there at the end. */
+static const double AT_END = 1e-4;
+
 /* The first step in contact, over the march's unit of time over the square root of the velocity's power in Hertz's contact
  * time: only where the search for a step size begins. */
 static const double FIRST_STEP = 1e-2;
@@ -76,6 +79,12 @@ static double work_of_step(const film_modal *s, double theta) {
     return theta * work;
 }
 
+/* The law's own force at a place in the step. rate: as a polynomial in Bernstein form, per step. */
+static double force_along(const film_curve *curve, const film_modal *s, const double *depth, const double *rate, double at) {
+    double nu = film_bernstein(rate, DEGREE - 1, at) * s->unit / s->h;
+    return film_law_on(curve, &s->contact.line, film_bernstein(depth, DEGREE, at), nu).force;
+}
+
 /* The largest force of the step up to theta at its nodes, which for an undamped law is below that at a turn. */
 static void raise_peak(const film_curve *curve, film_modal *s, double theta) {
     double depth[DEGREE + 1], rate[DEGREE + 1], *peak = &s->contact.force_peak;
@@ -88,12 +97,12 @@ static void raise_peak(const film_curve *curve, film_modal *s, double theta) {
         film_depth_polynomial(s, depth);
         for (int k = 0; k < DEGREE; k++) rate[k] = DEGREE * (depth[k + 1] - depth[k]);
         double low = best > 0 ? NODE_AT[best - 1] : 0.0, high = fmin(best < NODES - 1 ? NODE_AT[best + 1] : 1.0, theta);
-        for (int k = 0; k < 40 && damped; k++) { /* ternary search on the law's own force */
-            double a = low + (high - low) / 3.0, b = high - (high - low) / 3.0, f[2];
-            for (int i = 0; i < 2; i++) {
-                double at = i == 0 ? a : b, nu = film_bernstein(rate, DEGREE - 1, at) * s->unit / s->h;
-                f[i] = film_law_on(curve, &s->contact.line, film_bernstein(depth, DEGREE, at), nu).force;
-            }
+        double last = damped ? force_along(curve, s, depth, rate, high) : 0.0;
+        *peak = fmax(*peak, last);
+        int turns = damped && force_along(curve, s, depth, rate, high - AT_END * (high - low)) > last;
+        for (int k = 0; k < 40 && turns; k++) { /* ternary search */
+            double a = low + (high - low) / 3.0, b = high - (high - low) / 3.0;
+            double f[2] = {force_along(curve, s, depth, rate, a), force_along(curve, s, depth, rate, b)};
             if (f[0] < f[1]) low = a; else high = b;
             *peak = fmax(*peak, fmax(f[0], f[1]));
         }
@@ -101,8 +110,7 @@ static void raise_peak(const film_curve *curve, film_modal *s, double theta) {
     s->peak = fmax(s->peak, *peak);
 }
 
-/* The step ends here, tau after it began, under the same force as planned. */
-static void stop_step(const film_structure *structure, const film_curve *curve, film_modal *s, double *waves) {
+void film_stop_step(const film_structure *structure, const film_curve *curve, film_modal *s, double *waves) {
     int32_t n = structure->modes;
     double x, v, t = s->tau;
     if (!s->has_step || t == 0.0) return;
@@ -135,7 +143,7 @@ int film_modal_input(const film_structure *structure, const film_curve *curve, f
     double stop = time_unit_velocity(s, stop_velocity);
     if (load == s->load && nu_change == 0.0 && stop == s->stop) return FILM_OK;
     if (!film_turn_jump(structure, s, load, time_unit_velocity(s, nu_change))) {
-        stop_step(structure, curve, s, waves);
+        film_stop_step(structure, curve, s, waves);
         s->has_step = 0;
         s->event_at = INFINITY;
         s->flight_level = -1;

@@ -21,8 +21,8 @@ enum {
     FILM_FLIGHTS = 10,   /* step sizes in one flight */
     FILM_BENDS = 6,      /* numbers of the interpolation of x - sum w_n within a step */
     FILM_MOST_MODES = 10000000,
-    FILM_MODES_OF_A_STEP = 100, /* a step takes as long as this many modes in it, 3 to 8 ns each */
-    FILM_MOST_WORK = 150000000  /* largest `steps` of film_modal times (modes + FILM_MODES_OF_A_STEP) */
+    FILM_MODES_OF_A_STEP = 200, /* a step takes as long as this many modes in it, 2 to 5 ns each */
+    FILM_MOST_WORK = 120000000  /* largest `steps` of film_modal times (modes + FILM_MODES_OF_A_STEP) */
 };
 
 /* The modes, and tables for every step size used so far. Not to be shared by threads: step sizes are tabulated on demand. */

@@ -105,8 +105,10 @@ int film_modal_go_on(film_structure *structure, const film_curve *curve, double 
             break;
         }
     }
-    summary->core.maximum_force = fmax(summary->core.maximum_force, s->peak);
-    summary->core.work = s->spent;
+    if (status == FILM_OK && !in_flight) film_stop_step(structure, curve, s, waves); /* the time limit falls within a step */
+    double force = in_flight ? 0.0 : s->last_force;
+    summary->core.maximum_force = fmax(summary->core.maximum_force, fmax(s->peak, force));
+    summary->core.work = film_modal_work(s, force);
     summary->core.lines = s->steps;
     if (status < 0) return status;
     if (!in_flight) {

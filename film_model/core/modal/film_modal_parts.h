@@ -106,6 +106,9 @@ static inline int32_t film_most_steps(const film_structure *structure) {
     return FILM_MOST_WORK / (structure->modes + FILM_MODES_OF_A_STEP);
 }
 
+/* The step ends here, tau after it began, under the same force as planned. */
+void film_stop_step(const film_structure *structure, const film_curve *curve, film_modal *s, double *waves);
+
 int film_plan_step(film_structure *structure, const film_curve *curve, film_modal *s, double *waves);
 int film_advance(const film_structure *structure, const film_curve *curve, film_modal *s, double *waves, double *dt);
 

@@ -15,6 +15,7 @@ static const double SMALLEST = 1e-6;  /* depth, over D' over approach, below whi
 static const double AT_TURN = 1e-11;  /* z' over approach: no time to stick before the turn; test at psi1 = 2 chi */
 static const double SAME = 1e-12;     /* depths, relative, between which no piece of the path fits */
 static const double SINGULAR = 1e-7;  /* U over approach: the rest of the piece changes P by the square of this */
+static const double UNRESOLVED = 1e-15; /* step over time, where it is over first; test of slow impacts under a load */
 
 /* A piece of the path. end: where it ends; on a stuck piece with nu and D' there. slope: of a straight one. */
 typedef struct {
@@ -211,9 +212,13 @@ static int slides_now(impact *in, const film_taylor *of) {
     return 1;
 }
 
+static int on_stuck_piece(const impact *in) {
+    return in->rule.kind == FILM_SLIPS && in->rule.piece == FILM_STUCK && !in->rule.edge;
+}
+
 /* U = 0 where a stuck piece begins at which slip with the same sign had ended: c falls there without limit. */
 static int at_singular_end(const impact *in) {
-    if (in->rule.kind != FILM_SLIPS || in->rule.piece != FILM_STUCK || in->rule.edge) return 0;
+    if (!on_stuck_piece(in)) return 0;
     double speed = in->now.nu_c - in->rule.normal.gamma * force_of(in, in->now.c);
     return speed - in->rule.sign * in->now.v_c < SINGULAR;
 }
@@ -244,6 +249,7 @@ static int phase(impact *in) {
         if (slides_now(in, &of)) return CORNER;
         if (ends_now(in, &of)) return ENDS;
         double h = film_friction_length(&in->rule, &of, in->scale);
+        if (h <= UNRESOLVED * in->now.time && on_stuck_piece(in)) return CORNER; /* as at_singular_end */
         if (!(h > 0.0)) break;
         film_friction_powers(h, &end);
         int event = first_event(in, &of, &end);

@@ -1,4 +1,5 @@
-/* The contact radii of a contact that yields, as film_springs.h says. */
+/* The contact radii of springs, as film_springs.h says. */
+#include "curve/film_law.h"
 #include "oblique/film_springs.h"
 
 #include <math.h>
@@ -6,7 +7,7 @@
 static double known(double x) { return isfinite(x) && x > 0.0 ? x : 0.0; }
 
 /* dF/dz at a depth of loading, which ends at `last`: parabolas through three depths, lines at the ends. */
-static double slope_at(int64_t i, int64_t last, const double *force, const double *depth) {
+static double loading_slope(int64_t i, int64_t last, const double *force, const double *depth) {
     if (last == 0) return 0.0;
     if (i == 0) return (force[1] - force[0]) / (depth[1] - depth[0]);
     double before = depth[i] - depth[i - 1];
@@ -25,10 +26,28 @@ void film_springs_radii(int64_t count, const double *force, const double *depth,
         /* where contact ends: at the last force itself rounding would decide, which may leave a force of 0 or 1e-20 */
         if (force[i] > 0.0) left = depth[i + 1 < count ? i + 1 : i];
     }
-    double whole = known(law[turn]), way = fmax(depth[turn] - left, 1e-300); /* 1e-300: no division by 0 */
+    double whole = 0.0, way = fmax(depth[turn] - left, 1e-300); /* 1e-300: no division by 0 */
     for (int64_t i = 0; i < count; i++) {
-        double opening = whole * sqrt(fmin(fmax((depth[i] - left) / way, 0.0), 1.0));
-        first[i] = force[i] > 0.0 ? (i <= turn ? known(law[i]) : opening) : 0.0;
-        second[i] = force[i] > 0.0 ? (i <= turn ? known(slope_at(i, turn, force, depth) / (2.0 * modulus)) : opening) : 0.0;
+        double in_dent = whole * sqrt(fmin(fmax((depth[i] - left) / way, 0.0), 1.0)), before = i > 0 ? first[i - 1] : 0.0;
+        /* a law whose radius jumps down where it yields does not release what touches */
+        double in_loading = i > 0 && depth[i] >= depth[i - 1] ? fmax(known(law[i]), before) : known(law[i]);
+        first[i] = force[i] > 0.0 ? (i <= turn ? in_loading : in_dent) : 0.0;
+        second[i] = force[i] > 0.0 ? (i <= turn ? known(loading_slope(i, turn, force, depth) / (2.0 * modulus)) : in_dent) : 0.0;
+        if (i == turn) whole = first[i];
+    }
+}
+
+double film_contact_slope(const film_curve *curve, const film_line *line, double x) {
+    double slope = fmax(law_slope(curve, line, x), 0.0);
+    return slope / (1.0 - curve->compliance * slope); /* law_slope has that of both in series */
+}
+
+void film_springs_slopes(const film_curve *curve, int64_t count, const double *force, const double *depth, double *slope) {
+    film_line line = {.branch = 0};
+    for (int64_t i = 0; i < count; i++) {
+        double x = depth[i] + curve->compliance * force[i];
+        while (line.branch > 0 && x < curve->stage[line.branch].begin) line.branch--;
+        while (line.branch + 1 < curve->stages && x >= curve->stage[line.branch].end) line.branch++;
+        slope[i] = force[i] > 0.0 ? film_contact_slope(curve, &line, x) : 0.0;
     }
 }

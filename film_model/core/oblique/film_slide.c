@@ -3,14 +3,9 @@
 #include "modal/film_modal_parts.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
-enum {
-    MOST_EVENTS_A_STEP = 64,
-    MET = 2,     /* most springs that a slip which spreads slowly meets in a step */
-    PERSISTS = 5 /* steps in which not all slip, before that is a phase: where sliding ends, all stop within less */
-};
+enum { MOST_EVENTS_A_STEP = 64 };
 
 static const double LONGEST = 0.002;     /* step, over the unit of time of the march */
 static const double OF_A_PERIOD = 0.003; /* a step, over the time in which the springs would turn the motion by 1 rad */
@@ -21,43 +16,10 @@ typedef struct {
 
 static grip grip_of(const film_curve *curve, const film_state *state) {
     grip now = {fmax(state->force, 0.0), 0.0};
-    film_state still = *state;
     if (state->branch == FILM_FREE) return (grip){0.0, 0.0};
-    still.damper = 0.0;
-    now.slope = fmax(film_force(curve, &still, state->xi, 0.0).by_xi, 0.0);
-    now.slope /= 1.0 - curve->compliance * now.slope; /* film_force has that of both in series */
+    now.slope = film_contact_slope(curve, &state->line, state->xi);
     if (!(now.force > 0.0 && now.slope > 0.0)) now.force = now.slope = 0.0;
     return now;
-}
-
-static void begin_phase(film_sliding *sliding, int phase, double ago) {
-    if (phase == sliding->phase && phase != FILM_REVERSES) return;
-    sliding->phase = phase == FILM_REVERSES ? FILM_SLIPS : phase;
-    if (phase < 0 || sliding->events == FILM_SLIDE_EVENTS) return;
-    sliding->begins[sliding->events] = sliding->passed - ago;
-    sliding->kinds[sliding->events++] = phase;
-}
-
-/* The phase after a step, in which the radius grew or not. No spring slips: all stick, unless the contact shrinks, in which slip only
- * changes its sign; a slip that spreads slowly has steps in which no spring is met. */
-static void watch(film_sliding *sliding, int grows, double h) {
-    const film_springs *s = &sliding->springs;
-    int cut = abs(s->cut), sign = s->cut > 0 ? 1 : -1, before = sliding->cut;
-    sliding->passed += h;
-    sliding->cut = cut;
-    if (!(s->radius > 0.5 * s->width)) {
-        begin_phase(sliding, -1, 0.0);
-    } else if (cut == 0) {
-        if (grows) begin_phase(sliding, FILM_STICKS, 0.5 * h);
-        else if (before > MET) sliding->sign = -sliding->sign, begin_phase(sliding, FILM_REVERSES, 0.5 * h);
-    } else {
-        int whole = cut >= film_springs_touching(s), turns = sign != sliding->sign && sliding->phase >= FILM_SLIPS;
-        int partly = sliding->phase == FILM_SLIDES && !whole && !turns;
-        sliding->partly = partly ? sliding->partly + 1 : 0;
-        sliding->sign = sign;
-        if (partly && sliding->partly < PERSISTS) return;
-        begin_phase(sliding, whole ? FILM_SLIDES : turns ? FILM_REVERSES : FILM_SLIPS, (fmax(sliding->partly, 1.0) - 0.5) * h);
-    }
 }
 
 static void advance(film_sliding *sliding, grip now, double h, const double *friction, int32_t rows) {
@@ -65,7 +27,7 @@ static void advance(film_sliding *sliding, grip now, double h, const double *fri
     film_springs_take(s, h, friction, rows);
     double force = s->q, before = s->v, push = s->push, radius = s->radius;
     film_springs_step(s, h, now.force, now.slope);
-    watch(sliding, s->radius > radius, h);
+    film_springs_watch(&sliding->watch, s, radius, h);
     double moved = (before + 0.5 * h * (push - force / s->mass)) * h;
     sliding->impulse += 0.5 * h * (force + s->q);
     sliding->work += s->mass * (0.5 * (before - s->v) * (before + s->v) + push * moved);
@@ -76,6 +38,13 @@ static double steps_for(const film_sliding *sliding, grip now, double dt) {
     return ceil(dt / fmin(LONGEST, OF_A_PERIOD / rate));
 }
 
+/* Whether so many steps are still allowed. */
+static int spend(film_sliding *sliding, double count) {
+    int allowed = count <= FILM_MOST_SLIDE_STEPS - sliding->steps;
+    if (allowed) sliding->steps += (int32_t)count;
+    return allowed;
+}
+
 static int follow(const film_curve *curve, const film_mesh *mesh, film_state *state, double time) {
     int status = FILM_EVENT;
     for (int k = 0; status == FILM_EVENT && k < MOST_EVENTS_A_STEP; k++)
@@ -83,11 +52,11 @@ static int follow(const film_curve *curve, const film_mesh *mesh, film_state *st
     return status < 0 ? status : FILM_OK;
 }
 
-int film_slide_init(film_sliding *sliding, double friction, double mass, double velocity) {
+int film_slide_init(film_sliding *sliding, const film_curve *curve, double friction, double mass, double velocity) {
     memset(sliding, 0, sizeof *sliding);
-    int status = film_springs_init(&sliding->springs, FILM_MOST_SPRINGS, 0.125, 1.0, friction, mass, velocity);
+    int status = film_springs_init(&sliding->springs, FILM_MOST_SPRINGS, 0.125, 1.0, film_springs_power(curve), friction, mass, velocity);
     sliding->springs.watched = 1;
-    sliding->phase = -1;
+    sliding->watch.phase = -1;
     return status;
 }
 
@@ -95,13 +64,13 @@ int film_slide(const film_curve *curve, const film_mesh *mesh, const film_state 
                film_sliding *sliding) {
     film_state state = *from;
     if (!(dt >= 0.0 && dt < INFINITY)) return FILM_BAD_NUMBER;
-    sliding->events = 0, sliding->passed = 0.0;
+    sliding->watch.events = 0, sliding->watch.passed = 0.0;
     if (state.branch == FILM_FREE) {
         advance(sliding, (grip){0.0, 0.0}, dt, friction, rows);
         return FILM_OK;
     }
     double count = steps_for(sliding, grip_of(curve, &state), dt);
-    if (!(count <= FILM_MOST_SLIDE_STEPS)) return FILM_TOO_MANY;
+    if (!spend(sliding, count)) return FILM_TOO_MANY;
     for (double k = 1.0; k <= count; k += 1.0) {
         int status = follow(curve, mesh, &state, from->time + dt * (k / count));
         if (status < 0) return status;
@@ -119,7 +88,7 @@ static int slide_step(const film_structure *structure, const film_curve *curve, 
         return FILM_OK;
     }
     double count = steps_for(sliding, grip_of(curve, &step.contact), dt);
-    if (!(count <= FILM_MOST_SLIDE_STEPS)) return FILM_TOO_MANY;
+    if (!spend(sliding, count)) return FILM_TOO_MANY;
     for (double k = 1.0; k <= count; k += 1.0) {
         step.tau = begin + time * (k / count);
         film_modal_motion(structure, curve, &step, waves, values);
@@ -132,7 +101,7 @@ static int slide_step(const film_structure *structure, const film_curve *curve, 
 int film_slide_on_modes(film_structure *structure, const film_curve *curve, film_modal *state, double *waves, double dt,
                         const double *friction, int32_t rows, film_sliding *sliding) {
     if (!(dt >= 0.0 && dt < INFINITY)) return FILM_BAD_NUMBER;
-    sliding->events = 0, sliding->passed = 0.0;
+    sliding->watch.events = 0, sliding->watch.passed = 0.0;
     while (state->steps < film_most_steps(structure)) { /* as film_modal_step */
         int status = state->has_step ? FILM_OK : film_plan_step(structure, curve, state, waves);
         if (status != FILM_OK) return status;

@@ -8,26 +8,22 @@
 #define FILM_SLIDE_H
 
 #include "modal/film_modal.h"
-#include "oblique/film_friction.h"
 #include "oblique/film_springs.h"
 
-enum {
-    FILM_MOST_SLIDE_STEPS = 1000000, /* in one call */
-    FILM_SLIDE_EVENTS = 32           /* in one call; later ones are left out */
-};
+enum { FILM_MOST_SLIDE_STEPS = 1000000 }; /* since the caller set `steps` to 0: a second */
 
 /* No pointer: copying it saves it. impulse: of the friction force. work: done on the motion along the surface
- * by that force, what the springs store included. phase: of FILM_STICKS .. FILM_SLIDES in film_friction.h, or -1 without contact.
- * begins, kinds: of the `events` phases that began in the last call, after so much of its time; FILM_REVERSES is slip with another
- * sign. */
+ * by that force, what the springs store included. watch: of the phases, its events of the last call and after so much of its time.
+ * steps: work since the caller set it to 0, which is limited. */
 typedef struct {
-    double impulse, work, passed, begins[FILM_SLIDE_EVENTS];
-    int32_t kinds[FILM_SLIDE_EVENTS], events, phase, sign, cut, partly, reserved;
+    double impulse, work;
+    film_watch watch;
+    int32_t steps, reserved;
     film_springs springs;
 } film_sliding;
 
 /* At the start of a motion: mass and velocity as above. FILM_OK or FILM_BAD_NUMBER. */
-FILM_API int film_slide_init(film_sliding *sliding, double friction, double mass, double velocity);
+FILM_API int film_slide_init(film_sliding *sliding, const film_curve *curve, double friction, double mass, double velocity);
 
 /* From a state of the normal motion on by dt, in which only its end may be an event: FILM_OK, FILM_TOO_MANY steps, or what
  * film_step fails with. friction, rows: as in film_springs.h; 0 rows: that of film_slide_init. */

@@ -2,20 +2,46 @@
 #include "oblique/film_springs.h"
 
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
+
+enum {
+    FEWEST = 8,  /* springs that share the force within 1 % of what they stand for: a contact that grows has a phase with them */
+    MET = 2,     /* most springs that a slip which spreads slowly meets in a step */
+    PERSISTS = 5 /* steps in which not all slip, before that is a phase: where sliding ends, all stop within less */
+};
+
+static const double SPHERE = 2.0;  /* power of a sphere */
+static const double SLIDES = 1e-6; /* share of the impulse of friction that may lack to its limit in a contact that slides throughout */
 
 static int positive(double x) { return isfinite(x) && x > 0.0; }
 
-int film_springs_init(film_springs *state, int32_t count, double modulus, double largest, double friction, double mass,
+/* radius^power, in widths. */
+static double reached(const film_springs *state, double radius) {
+    double a = radius / state->width;
+    if (state->power == 2.0) return a * a; /* a sphere, most often */
+    return state->power == 0.0 ? (a > 0.0 ? 1.0 : 0.0) : pow(a, state->power);
+}
+
+double film_springs_power(const film_curve *curve) {
+    const film_function *force = &curve->piece[0].force;
+    int alone = curve->stages == 1 && curve->pieces == 1 && curve->stage[0].unloading == FILM_RETRACE && force->form == FILM_POWER;
+    if (!alone || force->constant != 0.0 || force->origin != 0.0) return SPHERE;
+    if (force->coefficient == 0.0 || force->exponent == 1.0) return 0.0;
+    return force->slope != 0.0 || force->exponent < 1.0 ? SPHERE : fmin(1.0 / (force->exponent - 1.0), FILM_MOST_POWER);
+}
+
+int film_springs_init(film_springs *state, int32_t count, double modulus, double largest, double power, double friction, double mass,
                       double velocity) {
     memset(state, 0, sizeof *state);
-    if (count < 1 || count > FILM_MOST_SPRINGS) return FILM_BAD_NUMBER;
+    if (count < 1 || count > FILM_MOST_SPRINGS || !(power >= 0.0 && power <= FILM_MOST_POWER)) return FILM_BAD_NUMBER;
     if (!positive(modulus) || !positive(largest) || !positive(mass)) return FILM_BAD_NUMBER;
     if (!(isfinite(friction) && friction >= 0.0 && isfinite(velocity))) return FILM_BAD_NUMBER;
     state->count = count;
     state->width = largest / count;
     state->stiffness = 8.0 * modulus * state->width;
-    state->friction = friction, state->mass = mass, state->v = velocity;
+    state->power = power, state->friction = friction, state->mass = mass, state->v = velocity;
+    for (int32_t j = 0; power > 0.0 && j < count; j++) state->reach[j] = reached(state, (j + 0.5) * state->width);
     return FILM_OK;
 }
 
@@ -39,22 +65,23 @@ static int32_t touching(const film_springs *state, double radius) {
 void film_springs_step(film_springs *state, double time, double force, double radius) {
     widen(state, radius);
     int32_t touch = touching(state, radius), old = touching(state, fmin(state->radius, radius));
-    double n = touch, square = radius * radius, width = state->width * state->width;
+    double top = reached(state, radius), shares[4] = {0.0, 0.0, 0.0, 0.0}, sum[4] = {0.0, 0.0, 0.0, 0.0};
     state->v += 0.5 * time * (state->push - state->q / state->mass);
-    /* the sum of radius^2 - r^2, of which each spring has its share of the normal force */
-    double moved = state->v * time, shares = n * square - width * n * (4.0 * n * n - 1.0) / 12.0, sum[4] = {0.0, 0.0, 0.0, 0.0};
-    double per_share = shares > 0.0 ? state->friction * force / (state->stiffness * shares) : 0.0;
-    /* a spring that the contact has just reached moves with it for its part of the step, in which the square of the radius grows
-     * evenly, as the indentation of a sphere does */
-    double grown = fmax(square - state->radius * state->radius, 0.0);
-    for (int32_t j = old; j < touch; j++) state->u[j] -= moved * fmax(1.0 - (square - width * (j + 0.5) * (j + 0.5)) / grown, 0.0);
-    state->cut = 0;
-    for (int32_t j = 0; state->watched && j < touch; j++) {
-        double r = j + 0.5, most = (square - width * r * r) * per_share, u = state->u[j] + moved;
-        state->cut += (u > most) - (u < -most);
+    for (int32_t j = 0; j < touch; j++) shares[j & 3] += top - state->reach[j];
+    double moved = state->v * time, all = (shares[0] + shares[1]) + (shares[2] + shares[3]);
+    double per_share = all > 0.0 ? state->friction * force / (state->stiffness * all) : 0.0;
+    /* a spring that the contact has just reached moves with it for its part of the step, in which the depth grows evenly */
+    double grown = fmax(top - reached(state, state->radius), 0.0);
+    for (int32_t j = old; j < touch; j++) state->u[j] -= moved * fmax(1.0 - (top - state->reach[j]) / grown, 0.0);
+    state->cut = 0, state->stuck = touch;
+    for (int32_t j = touch - 1; state->watched && j >= 0; j--) {
+        double most = (top - state->reach[j]) * per_share, u = state->u[j] + moved;
+        int side = (u > most) - (u < -most);
+        state->cut += side;
+        if (side != 0) state->stuck = j;
     }
     for (int32_t j = 0; j < touch; j++) { /* comparisons that compilers turn into vectors; sums apart, in order */
-        double r = j + 0.5, most = (square - width * r * r) * per_share, u = state->u[j] + moved;
+        double most = (top - state->reach[j]) * per_share, u = state->u[j] + moved;
         u = u < -most ? -most : u;
         state->u[j] = u > most ? most : u;
     }
@@ -66,6 +93,40 @@ void film_springs_step(film_springs *state, double time, double force, double ra
 }
 
 int32_t film_springs_touching(const film_springs *state) { return touching(state, state->radius); }
+
+static void begin_phase(film_watch *watch, int phase, double ago) {
+    if (phase == watch->phase && phase != FILM_REVERSES) return;
+    watch->phase = phase == FILM_REVERSES ? FILM_SLIPS : phase;
+    if (phase < 0 || watch->events == FILM_MOST_PHASES) return;
+    watch->begins[watch->events] = fmax(watch->passed - ago, 0.0);
+    watch->kinds[watch->events++] = phase;
+}
+
+/* No spring slips: all stick, unless the contact shrinks, in which slip only changes its sign; a slip that spreads slowly has steps in
+ * which no spring is met. The first phase of a contact begins with it, a later one in the middle of a step. */
+void film_springs_watch(film_watch *watch, const film_springs *s, double radius, double h) {
+    int cut = abs(s->cut), sign = s->cut > 0 ? 1 : -1, before = watch->cut;
+    int32_t touch = film_springs_touching(s);
+    watch->passed += h;
+    watch->cut = cut;
+    watch->waited = watch->phase < 0 && s->radius > 0.0 ? watch->waited + h : 0.0;
+    double ago = fmax(watch->waited, 0.5 * h);
+    if (touch == 0) {
+        begin_phase(watch, -1, 0.0);
+    } else if (watch->phase < 0 && touch < FEWEST && s->radius > radius) {
+        return;
+    } else if (cut == 0) {
+        if (s->radius >= radius) begin_phase(watch, FILM_STICKS, ago);
+        else if (before > MET) watch->sign = -watch->sign, begin_phase(watch, FILM_REVERSES, ago);
+    } else {
+        int whole = cut >= touch, turns = sign != watch->sign && watch->phase >= FILM_SLIPS;
+        int partly = watch->phase == FILM_SLIDES && !whole && !turns;
+        watch->partly = partly ? watch->partly + 1 : 0;
+        watch->sign = sign;
+        if (partly && watch->partly < PERSISTS) return;
+        begin_phase(watch, whole ? FILM_SLIDES : turns ? FILM_REVERSES : FILM_SLIPS, ago + fmax(watch->partly - 1.0, 0.0) * h);
+    }
+}
 
 double film_springs_energy(const film_springs *state) {
     double sum = 0.0;
@@ -85,22 +146,37 @@ void film_springs_take(film_springs *state, double time, const double *table, in
     if (rows > 0) state->friction = film_friction_at(table, rows, fabs(state->v + time * (state->push - state->q / state->mass)));
 }
 
-int film_springs_impact(int32_t count, double modulus, double mass, double velocity, const double *friction, int32_t rows, double time,
-                        int64_t steps, const double *force, const double *radius, film_springs_impact_result *result,
-                        double *velocities, double *forces) {
+/* The regime, by which a contact that slides throughout has no other phase. */
+static void judge(film_springs_impact_result *result) {
+    film_watch *watch = &result->watch;
+    int32_t kept = 0;
+    result->regime = watch->kinds[0] == FILM_SLIDES ? FILM_SLIDES_FIRST : FILM_STICKS_FIRST;
+    if (result->slack > SLIDES) return;
+    result->regime = FILM_SLIDES_THROUGHOUT;
+    for (int32_t k = 0; k < watch->events; k++)
+        if (watch->kinds[k] == FILM_SLIDES) watch->begins[kept] = watch->begins[k], watch->kinds[kept++] = FILM_SLIDES;
+    if (kept == 0) watch->begins[kept] = 0.0, watch->kinds[kept++] = FILM_SLIDES;
+    watch->events = kept;
+}
+
+int film_springs_impact(int32_t count, double modulus, double power, double mass, double velocity, const double *friction, int32_t rows,
+                        double time, int64_t steps, const double *force, const double *radius, film_springs_impact_result *result,
+                        double *motion) {
     film_springs fine, coarse;
     double largest = 0.0, limits = 0.0, used = 0.0;
     for (int64_t i = 0; i <= steps; i++) largest = fmax(largest, radius[i]);
-    *result = (film_springs_impact_result){.velocity = velocity};
-    if (film_springs_init(&fine, count, modulus, largest, friction[1], mass, velocity) != FILM_OK) return FILM_BAD_NUMBER;
-    if (film_springs_init(&coarse, count / 2, modulus, largest, friction[1], mass, velocity) != FILM_OK) return FILM_BAD_NUMBER;
-    if (velocities) velocities[0] = velocity, forces[0] = 0.0;
+    *result = (film_springs_impact_result){.velocity = velocity, .watch = {.phase = -1}};
+    if (film_springs_init(&fine, count, modulus, largest, power, friction[1], mass, velocity) != FILM_OK) return FILM_BAD_NUMBER;
+    if (film_springs_init(&coarse, count / 2, modulus, largest, power, friction[1], mass, velocity) != FILM_OK) return FILM_BAD_NUMBER;
+    if (motion) motion[0] = velocity, motion[1] = motion[2] = 0.0;
     for (int64_t i = 1; i <= steps; i++) {
         film_springs_take(&fine, time, friction, rows);
+        fine.watched = motion != NULL || result->watch.events == 0;
         film_springs_step(&fine, time, force[i], radius[i]);
+        if (fine.watched) film_springs_watch(&result->watch, &fine, radius[i - 1], time);
         if (fabs(fine.q) > result->force) result->force = fabs(fine.q), result->step = i;
         limits += fine.friction * force[i], used += fabs(fine.q);
-        if (velocities) velocities[i] = fine.v, forces[i] = fine.q;
+        if (motion) motion[3 * i] = fine.v, motion[3 * i + 1] = fine.q, motion[3 * i + 2] = fmin(fine.stuck * fine.width, fine.radius);
         if (i % 2 != 0) continue;
         film_springs_take(&coarse, 2.0 * time, friction, rows);
         film_springs_step(&coarse, 2.0 * time, force[i], radius[i]);
@@ -108,6 +184,7 @@ int film_springs_impact(int32_t count, double modulus, double mass, double veloc
     }
     result->velocity = fine.v;
     result->slack = limits > 0.0 ? 1.0 - used / limits : 0.0;
+    judge(result);
     return isfinite(fine.v + result->apart) ? FILM_OK : FILM_BAD_NUMBER;
 }
 

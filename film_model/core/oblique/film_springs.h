@@ -1,32 +1,51 @@
 /* Friction in any contact, by springs beside each other that slip: for laws that yield or are damped, in steps.
  *
- * Springs at radii r share the tangential stiffness 8 G_star a and the normal force like those of Popov's reduction of a
- * sphere, p(r) ~ 1 - r^2/a^2. Errors fall faster than one over the number of steps. Units: any consistent ones.
+ * Springs at radii r share the tangential stiffness 8 G_star a and the normal force like those of Popov's reduction, the spring at r as
+ * the depth since the contact has reached it: a^power - r^power, where the depth grows as a^power; 2 for a sphere. Errors fall faster than one over the number of steps. Units: any consistent ones.
  * Nothing is allocated; copying a film_springs saves it. */
 #ifndef FILM_SPRINGS_H
 #define FILM_SPRINGS_H
 
-#include "film_core.h"
+#include "oblique/film_friction.h"
 
-enum { FILM_MOST_SPRINGS = 256 }; /* most springs */
+enum {
+    FILM_MOST_SPRINGS = 256, /* most springs */
+    FILM_MOST_PHASES = 32,   /* that a film_watch keeps; later ones are left out */
+    FILM_MOST_POWER = 40     /* all but the outermost springs share alike */
+};
 
-/* stiffness: of one spring. width: distance of the springs. mass: m_t. v: sliding velocity, also where nothing touches.
- * q: friction force. push: acceleration by what else acts. radius: of the contact, now. u: deflections. cut: if watched is 1, how
- * many springs slipped in the last step, negative if against their direction at first. */
+/* stiffness: of one spring. width: distance of the springs. power: as above, or 0: all are reached at once. mass: m_t. v: sliding velocity, also where nothing touches.
+ * q: friction force. push: acceleration by what else acts. radius: of the contact, now. u: deflections. If watched is 1, cut: how
+ * many springs slipped in the last step, negative if against their direction at first; stuck: how many stuck inside all of those. */
 typedef struct {
-    double stiffness, width, friction, mass, v, q, push, radius;
-    double u[FILM_MOST_SPRINGS];
-    int32_t count, reserved, watched, cut;
+    double stiffness, width, power, friction, mass, v, q, push, radius;
+    double u[FILM_MOST_SPRINGS], reach[FILM_MOST_SPRINGS]; /* reach: (r/width)^power; 0 for a power of 0 */
+    int32_t count, stuck, watched, cut;
 } film_springs;
 
-/* Springs up to the radius `largest`, that do not touch; a step to a larger one doubles their distance. modulus: G_star. count: 1 to FILM_MOST_SPRINGS. FILM_OK, or
- * FILM_BAD_NUMBER: a count out of range, or a number that is not finite, or not > 0; friction may be 0, the velocity any. */
-FILM_API int film_springs_init(film_springs *state, int32_t count, double modulus, double largest, double friction, double mass,
-                               double velocity);
+/* The phases of springs that are watched. passed: time since it began. phase: of FILM_STICKS .. FILM_SLIDES in film_friction.h, or
+ * -1 without contact; 0 in all members but for phase = -1 is the start. begins, kinds: of the `events` phases that began, after so
+ * much of the time; FILM_REVERSES is slip with another sign. */
+typedef struct {
+    double passed, waited, begins[FILM_MOST_PHASES]; /* waited: since a contact began that has no phase yet */
+    int32_t kinds[FILM_MOST_PHASES], events, phase, sign, cut, partly, reserved;
+} film_watch;
+
+/* Springs up to the radius `largest`, that do not touch; a step to a larger one doubles their distance. modulus: G_star. count: 1 to
+ * FILM_MOST_SPRINGS. power: 0 to FILM_MOST_POWER. FILM_OK, or FILM_BAD_NUMBER: a count or power out of range, or a number that is not
+ * finite, or not > 0; friction may be 0, the velocity any. */
+FILM_API int film_springs_init(film_springs *state, int32_t count, double modulus, double largest, double power, double friction,
+                               double mass, double velocity);
+
+/* The power of a law: 1/(n - 1) of a reversible force ~ xi^n, n > 1, at most FILM_MOST_POWER, and 0 of a linear one; 2 of others. */
+FILM_API double film_springs_power(const film_curve *curve);
 
 /* Forward by a time >= 0, at the end of which the contact has this normal force and radius; both 0 without contact. The
  * rule of the midpoint: half a step with the friction force before, half with that after. */
 FILM_API void film_springs_step(film_springs *state, double time, double force, double radius);
+
+/* The phase after a step of a time in which the radius was `before` at its beginning. */
+FILM_API void film_springs_watch(film_watch *watch, const film_springs *state, double before, double time);
 
 /* A coefficient of friction over the sliding speed: `rows` pairs (speed, coefficient) of increasing speed, with lines between and
  * constant beyond; one pair for a constant one. */
@@ -37,18 +56,21 @@ FILM_API void film_springs_take(film_springs *state, double time, const double *
 
 /* One impact: velocity at the end; force, step: largest |q|, and after how many steps; apart: largest difference of the velocity, at
  * any time, to that of half as many springs in half as many steps; slack: what the friction force lacks to its limit, a share of the
- * impulses; 0 if the contact slides throughout. */
+ * impulses. regime: of film_friction.h, by the first phase and the slack. watch: of the phases; without room for the motion it ends
+ * with the first one. */
 typedef struct {
     double velocity, force, apart, slack;
     int64_t step;
+    int32_t regime, reserved;
+    film_watch watch;
 } film_springs_impact_result;
 
 /* An impact from first touch on in steps of a time; force, radius: before the first step and after each. friction, rows: as above.
- * steps: even. count: of springs, even. velocities, forces: room for the sliding velocity and friction force at the times of `force`,
- * or null. FILM_OK or FILM_BAD_NUMBER as film_springs_init. */
-FILM_API int film_springs_impact(int32_t count, double modulus, double mass, double velocity, const double *friction, int32_t rows,
+ * steps: even. count: of springs, even. motion: room for three values at each time of `force`, sliding velocity, friction force and
+ * the radius inside which all sticks; or null. FILM_OK or FILM_BAD_NUMBER as film_springs_init. */
+FILM_API int film_springs_impact(int32_t count, double modulus, double power, double mass, double velocity, const double *friction, int32_t rows,
                                  double time, int64_t steps, const double *force, const double *radius,
-                                 film_springs_impact_result *result, double *velocities, double *forces);
+                                 film_springs_impact_result *result, double *motion);
 
 /* How many springs touch. */
 FILM_API int32_t film_springs_touching(const film_springs *state);
@@ -56,9 +78,15 @@ FILM_API int32_t film_springs_touching(const film_springs *state);
 /* Energy of the springs. */
 FILM_API double film_springs_energy(const film_springs *state);
 
+/* The slope of the force of the contact alone, without damping, at x of the march, on the curve of a line. */
+double film_contact_slope(const film_curve *curve, const film_line *line, double x);
+
+/* That slope of a reversible law at forces and indentations of the march; 0 without force. It is 2 E_star times the contact radius. */
+FILM_API void film_springs_slopes(const film_curve *curve, int64_t count, const double *force, const double *depth, double *slope);
+
 /* Contact radii of a contact that yields, at recorded forces and depths: in loading those of its law, and of an elastic contact with
  * the slope of its force, F' = 2 modulus a; in unloading both shrink from the law's at the turn, as a ball's in its dent. modulus:
- * E_star. law: radii of the law, not finite if unknown; read up to the turn only. */
+ * E_star. law: radii of the law, not finite if unknown; read up to the turn only. The first do not shrink before it. */
 FILM_API void film_springs_radii(int64_t count, const double *force, const double *depth, const double *law, double modulus,
                                  double *first, double *second);
 

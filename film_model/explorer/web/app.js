@@ -211,7 +211,7 @@ function showBanner(scene, result) {
   if (given && result.choice.problem === null) {
     texts.push(`Computed by film-model when this page was written: ${given.reason}, which the page itself cannot simulate.`);
   } else if (given) {
-    texts.push(`Not the scene as given: there ${given.reason}, which this page cannot simulate. Here the target has no edges.`);
+    texts.push(`Not the scene as given: there ${given.reason}, which this page cannot simulate.${scene.base.plate ? "" : " Here the target has no edges."}`);
   }
   if (edges?.matter) {
     texts.push(`Waves from the edges would change the result by about ${percent(edges.change)}: here the target has no edges. Use film-model run.`);
@@ -224,7 +224,7 @@ function showBanner(scene, result) {
     texts.push("Only the normal motion is simulated: give friction for the motion along the surface.");
   }
   if (!unchanged(scene)) {
-    texts.push("Plasticity, rate hardening, gravity, damping of the materials, waves in a half-space and target motion were decided again for your changes; the other effects below were not.");
+    texts.push("Plasticity, rate hardening, gravity, damping of the materials, waves in a half-space, edges of a plate and target motion were decided again for your changes; the other effects below were not.");
   }
   byId("banner").hidden = texts.length === 0;
   byId("banner").textContent = texts.join(" ");

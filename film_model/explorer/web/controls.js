@@ -66,8 +66,9 @@ function entryRow(scene, input, changed) {
   let range = input.slider;
   const present = () => { // a missing mass follows the radius, and so does its slider
     const value = entriesOf(scene)[input.path];
+    if (input.path.startsWith("target.position.")) range = [0, scene.values[input.path.replace("position", "size")] ?? input.slider[1]];
     const middle = Math.sqrt(input.slider[0] * input.slider[1]);
-    if (scene.values[input.path] === null && input.logarithmic) range = input.slider.map((/** @type {number} */ end) => (end * value) / middle);
+    if (scene.values[input.path] === null && input.logarithmic && Number.isFinite(value)) range = input.slider.map((/** @type {number} */ end) => (end * value) / middle);
     return value;
   };
   const show = () => {
@@ -167,6 +168,7 @@ function buildForm(scene, changed, replaced) {
       rows.push(entry);
       (input.path.includes(".material.") ? material : group).append(entry.row);
     }
+    if (body === "target" && scene.base.plate) group.append(edgesRow(scene, changed));
     if (material.childElementCount > 1) group.append(material);
     if (body === "target") group.insertBefore(kindRow(scene, replaced), group.children[1] ?? null);
     if (body === "contact") group.insertBefore(lawRow(scene, replaced), group.children[1] ?? null);
@@ -194,6 +196,16 @@ function kindRow(scene, replaced) {
     next.title = titles.includes(scene.title) ? `Impact on a ${kind}` : scene.title;
     Object.assign(scene, next);
     replaced();
+  });
+}
+
+/** @param {Scene} scene @param {() => void} changed */
+function edgesRow(scene, changed) {
+  /** @type {[string, string][]} */
+  const options = DATA.edges.map((/** @type {string} */ name) => [name, name]);
+  return choiceRow("edges", "edges", options, scene.edges, (name) => {
+    scene.edges = name;
+    changed();
   });
 }
 

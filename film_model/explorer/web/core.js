@@ -42,6 +42,8 @@ class Core {
     this.meshSize = Number(this.view().getBigInt64(this.numbers + 8, true));
     /** Modes in the core's form. @type {Map<string, {place: number, count: number, omitted: number, shares: number, damped: boolean}>} */
     this.structures = new Map();
+    /** The latest plate whose modes were computed here. @type {any} */
+    this.plate = {};
     this.sprung = Array.from({ length: SPRUNG }, () => this.allocate(layout.curve));
     this.shaped = Array.from({ length: KEPT }, () => this.allocate(layout.curve));
     this.fixedTop = this.top;
@@ -61,6 +63,44 @@ class Core {
     const place = this.allocate(8 * values.length);
     new Float64Array(this.c.memory.buffer, place, values.length).set(values);
     return place;
+  }
+
+  /** What the core says of a plate. @template T @param {number[]} numbers of film_plate @param {(place: number) => T} ask */
+  ofPlate(numbers, ask) {
+    const { top } = this;
+    const found = ask(this.numbersAt(numbers));
+    this.top = top;
+    return found;
+  }
+
+  /**
+   * The modes of a plate up to a frequency, those of equal frequency as one, as film_model/targets/modes.py sorts them.
+   * @param {number[]} numbers of film_plate @param {number} x struck point @param {number} y @param {number} highest
+   */
+  plateModes(numbers, x, y, highest) {
+    const [frequencies, shapes] = this.ofPlate(numbers, (place) => {
+      const room = Math.floor(this.c.film_plate_most(place, highest));
+      const at = this.numbersAt([x, y, 0, 0]);
+      const columns = [0, 1].map(() => this.allocate(8 * room));
+      const count = Number(this.c.film_plate_modes(place, highest, 1, at, BigInt(room), ...columns));
+      return columns.map((column) => new Float64Array(this.c.memory.buffer, column, count).slice());
+    });
+    const [a, b, mass] = numbers;
+    /** @type {Record<string, number[]>} */
+    const modes = { frequency: [], share: [], ratio: [] };
+    let last = -1;
+    for (const k of Array.from(frequencies.keys()).sort((i, j) => frequencies[i] - frequencies[j])) {
+      const [own, share] = [frequencies[k], (shapes[k] ** 2 * 4) / (mass * a * b)];
+      if (own - last > DATA.constants.vibration.equal * own) {
+        modes.frequency.push(own);
+        modes.share.push(share);
+        modes.ratio.push(0);
+      } else {
+        modes.share[modes.share.length - 1] += share;
+      }
+      last = own;
+    }
+    return modes;
   }
 
   /** Give up what is kept if it fills too much memory. */

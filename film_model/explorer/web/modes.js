@@ -7,7 +7,8 @@ const TOO_MANY = -5; // status of a march with too many segments
  * @param {Scene} scene
  */
 function supportNow(scene) {
-  const { support } = scene.base;
+  const { support, plate } = scene.base;
+  if (plate) return plateNow(scene);
   const ratios = Object.entries(support?.scales ?? {}).map(([path, value]) => Number(scene.values[path]) / value);
   if (!ratios.some((ratio) => ratio !== 1)) return support;
   const [thickness, modulus, density] = ratios;
@@ -70,16 +71,17 @@ function feltCompliance(support, fixed, mass) {
  */
 function structureOf(scene, highest, longest, series) {
   const support = supportNow(scene);
-  const { frequency, share } = support.modes;
   const own = scene.values["target.damping_ratio"];
-  const ratio = own === undefined ? support.modes.ratio : frequency.map(() => own);
   const key = `${support.key} ${highest} ${longest} ${series} ${own}`;
   const known = CORE.structures.get(key);
   if (known) return known;
   CORE.tidy();
+  const seen = { ...support, modes: support.upTo?.(highest) ?? support.modes };
+  const { frequency, share } = seen.modes;
+  const ratio = own === undefined ? seen.modes.ratio : frequency.map(() => own ?? 0);
   let count = frequency.length;
   while (count > 0 && frequency[count - 1] > highest) count--;
-  const [omitted, shares] = [omittedFrom(support, count), sharesUpTo(support, count)];
+  const [omitted, shares] = [omittedFrom(seen, count), sharesUpTo(seen, count)];
   const columns = [frequency, share, ratio].map((/** @type {number[]} */ column) => column.slice(0, count));
   if (!series && omitted > 0) {
     const above = DATA.constants.vibration.above * highest;
@@ -204,7 +206,9 @@ function vibrate(scene, problem) {
   if (highest < rule.unresolved * first) throw new Unsupported("too few natural vibrations of the target are on this page for so short a contact");
   const follow = (/** @type {number} */ tolerance, upTo = highest) => followed(scene, problem, upTo, tolerance, limit);
   let tolerance = Math.max(accuracy * rule.step, rule.tightest);
+  const workOf = (/** @type {any} */ { core, structure }) => core.lines * (structure.count + rule.modes_of_a_step);
   let coarse = follow(rule.refined * tolerance);
+  let spent = workOf(coarse);
   /** @type {Record<string, number>|null} */
   let before = null;
   tolerance = Math.max(tolerance * stepShare(problem, coarse), rule.tightest);
@@ -224,7 +228,8 @@ function vibrate(scene, problem) {
       return { ...followed(scene, problem, coarse.highest, coarse.tolerance, limit), error, warning: unreached(accuracy, coarse) };
     }
     const changes = differencesOf(problem, coarse.core, fine.core);
-    const last = 2 * highest > most || 4 * fine.core.lines * (fine.structure.count + 100) > rule.most_work;
+    spent += workOf(fine);
+    const last = 2 * highest > most || spent + 4 * workOf(fine) > rule.most_work;
     if (before === null && last) { // the difference to fewer modes than those of the first run is known quickly
       before = differencesOf(problem, follow(rule.refined ** 2 * tolerance, highest / 4).core, coarse.core);
       fine = follow(tolerance); // whose record was overwritten

@@ -21,7 +21,7 @@ function obliqueOf(scene, n, problem, summary, duration, sample) {
   if (Number.isNaN(summary.rebound_velocity)) throw new Unsupported("friction needs a contact that ends");
   const found =
     given.friction === 0 ? frictionless(given)
-    : exactFriction(given, problem) ?? frictionOfSprings(scene, n, problem, given, FORMULAS[along.regime], x, duration, sample);
+    : exactFriction(given, problem) ?? frictionOfSprings(scene, n, problem, given, summary.rebound_velocity, duration, sample);
   const { regimes } = DATA.constants.friction;
   return {
     summary: FORMULAS[along.oblique](x, summary.rebound_velocity, found.after, ...found.peak),
@@ -59,15 +59,12 @@ function exactFriction(given, { law, p, vibrates, compliance }) {
   CORE.top = top;
   const view = CORE.view();
   const number = (/** @type {string} */ name) => view.getFloat64(result + outcome[name], true);
-  const { closed, phases } = DATA.constants.friction;
+  const { closed } = DATA.constants.friction;
   if (status !== 0 || number("closure") > closed) return null;
   const columns = new Float64Array(c.memory.buffer, rows, 6 * view.getInt32(count, true)).slice();
   const column = (/** @type {number} */ which, /** @type {number} */ unit) => Float64Array.from({ length: columns.length / 6 }, (_, k) => columns[6 * k + which] * unit);
   const unit = given.friction * given.ratio;
-  const events = Array.from({ length: view.getInt32(result + outcome.phases, true) }, (_, k) => ({
-    name: phases[view.getInt32(result + outcome.kinds + 4 * k, true)],
-    time: view.getFloat64(result + outcome.begins + 8 * k, true) * p.time,
-  }));
+  const events = phasesAt(view, result, outcome, outcome.phases, p.time);
   return {
     after: number("velocity") * unit * p.velocity,
     peak: [number("force") * given.friction * p.force, number("time_of_force") * p.time],
@@ -80,13 +77,22 @@ function exactFriction(given, { law, p, vibrates, compliance }) {
   };
 }
 
+/** Phases that a structure of the core lists. @param {DataView} view @param {number} at @param {Record<string, number>} layout @param {number} count its place @param {number} unit of time */
+function phasesAt(view, at, layout, count, unit) {
+  const { phases } = DATA.constants.friction;
+  return Array.from({ length: view.getInt32(at + count, true) }, (_, k) => ({
+    name: phases[view.getInt32(at + layout.kinds + 4 * k, true)],
+    time: view.getFloat64(at + layout.begins + 8 * k, true) * unit,
+  }));
+}
+
 /**
  * By springs beside each other that slip, under two models of the stiffness along the surface if the law yields.
- * @param {Scene} scene @param {any} n @param {Problem} problem @param {any} given @param {(...values: any[]) => any} regimeOf
- * @param {any} x @param {number} duration @param {(times: Float64Array) => {values: Float64Array}} sample
+ * @param {Scene} scene @param {any} n @param {Problem} problem @param {any} given
+ * @param {number} rebound m/s @param {number} duration @param {(times: Float64Array) => {values: Float64Array}} sample
  */
-function frictionOfSprings(scene, n, problem, given, regimeOf, x, duration, sample) {
-  const { p, law } = problem;
+function frictionOfSprings(scene, n, problem, given, rebound, duration, sample) {
+  const { p, law, curve } = problem;
   const { springs, steps, safety } = DATA.constants.friction;
   const time = Float64Array.from({ length: steps + 1 }, (_, k) => (k === steps ? duration : k * (duration / steps)));
   const { values } = sample(time.map((t) => t / p.time));
@@ -95,21 +101,34 @@ function frictionOfSprings(scene, n, problem, given, regimeOf, x, duration, samp
   const force = Float64Array.from(normal, (row) => Math.max(row.contact_force, 0));
   const depth = Float64Array.from(normal, (row) => row.indentation);
   const radii = law.dissipates ? radiiBeyondYield(force, depth, force.map((F, k) => FORMULAS.contactRadius(p, n, F, depth[k]).radius), n.effective_modulus)
-    : [force.map((F, k) => (F > 0 ? Math.sqrt(n.effective_radius * Math.max(depth[k], 0)) : 0))];
-  const runs = radii.map((radius) => followSprings(springs, given, time, force, radius));
-  const [{ velocity, friction, largest, step, apart, slack }] = runs;
-  const ends = runs.map((run) => run.velocity[steps]);
-  const { regime } = regimeOf(x, slack);
+    : [elasticRadii(curve, p, force, depth, n.effective_modulus)];
+  const power = CORE.c.film_springs_power(curve);
+  const runs = radii.map((radius) => followSprings(springs, { ...given, power }, time, force, radius));
+  const [{ velocity, friction, largest, step, apart, regime, events }] = runs;
+  const impulse = n.mass * (n.speed - rebound) + p.load * p.force * duration; // of the normal force
+  const slid = given.velocity - (Math.sign(given.velocity) * given.friction * impulse) / given.mass;
+  const ends = regime === 2 ? [slid] : runs.map((run) => run.velocity[steps]);
   return {
     after: ends[0],
     peak: [largest, time[step]],
     regime,
-    events: [{ name: regime === 0 ? "sticks" : "slides", time: 0 }],
+    events,
     error: (safety * apart) / Math.abs(given.velocity),
     motion: { time, sliding_velocity: velocity, friction_force: friction },
     low: Math.min(...ends),
     high: Math.max(...ends),
   };
+}
+
+/** Contact radii of a reversible law, F′/(2 E*). @param {number} curve @param {any} p @param {Float64Array} force @param {Float64Array} depth @param {number} modulus */
+function elasticRadii(curve, p, force, depth, modulus) {
+  const { top, c } = CORE;
+  const given = [force.map((F) => F / p.force), depth.map((d) => d / p.length)].map((column) => CORE.numbersAt(Array.from(column)));
+  const found = CORE.allocate(8 * force.length);
+  c.film_springs_slopes(curve, BigInt(force.length), ...given, found);
+  const radii = new Float64Array(c.memory.buffer, found, force.length).map((slope) => (slope * (p.force / p.length)) / (2 * modulus));
+  CORE.top = top;
+  return radii;
 }
 
 /** Contact radii of a contact that yields, by two models. @param {Float64Array} force @param {Float64Array} depth @param {Float64Array} law @param {number} modulus */
@@ -124,18 +143,20 @@ function radiiBeyondYield(force, depth, law, modulus) {
 }
 
 /** Sliding velocity and friction force at the times, and what the core says of them. @param {number} count @param {any} given @param {Float64Array} time @param {Float64Array} force @param {Float64Array} radius */
-function followSprings(count, { modulus, friction, mass, velocity }, time, force, radius) {
-  const { layout: { springs }, top, c } = CORE;
+function followSprings(count, { modulus, power, friction, mass, velocity }, time, force, radius) {
+  const { layout: { springs, watch }, top, c } = CORE;
   const steps = time.length - 1;
   const result = CORE.allocate(springs.size);
   const columns = [force, radius].map((column) => CORE.numbersAt(Array.from(column)));
-  const found = [0, 1].map(() => CORE.allocate(8 * time.length));
-  const status = c.film_springs_impact(count, modulus, mass, velocity, CORE.numbersAt([0, friction]), 1, time[1] - time[0], BigInt(steps), ...columns, result, ...found);
+  const found = CORE.allocate(24 * time.length);
+  const status = c.film_springs_impact(count, modulus, power, mass, velocity, CORE.numbersAt([0, friction]), 1, time[1] - time[0], BigInt(steps), ...columns, result, found);
   if (status !== 0) throw new Failure(status);
-  const [v, q] = found.map((place) => new Float64Array(c.memory.buffer, place, time.length).slice());
+  const rows = new Float64Array(c.memory.buffer, found, 3 * time.length);
+  const [v, q] = [0, 1].map((which) => time.map((_, k) => rows[3 * k + which]));
   const view = CORE.view();
-  const [largest, apart, slack] = ["force", "apart", "slack"].map((name) => view.getFloat64(result + springs[name], true));
-  const run = { velocity: v, friction: q, largest, apart, slack, step: Number(view.getBigInt64(result + springs.step, true)) };
+  const [largest, apart] = ["force", "apart"].map((name) => view.getFloat64(result + springs[name], true));
+  const [regime, events] = [view.getInt32(result + springs.regime, true), phasesAt(view, result + springs.watch, watch, watch.events, 1)];
+  const run = { velocity: v, friction: q, largest, apart, regime, events, step: Number(view.getBigInt64(result + springs.step, true)) };
   CORE.top = top;
   return run;
 }

@@ -17,8 +17,8 @@ const STUDIES = {
     const axes = { x: { label: "indentation", dimension: "length" }, y: { label: "force", dimension: "force" } };
     showChart("chart-laws", { title: "Every law", ...axes, series }, "Force against indentation under every law; the table has the numbers");
   },
-  "part-restitution": (result) => {
-    const curve = restitutionCurve(APP.scene);
+  "part-restitution": (result, problem) => {
+    const curve = restitutionCurve(APP.scene, problem.vibrates);
     const own = result.summary.coefficient_of_restitution;
     showChart("chart-restitution", {
       title: "Restitution against velocity",

@@ -3,7 +3,7 @@
 /**
  * A scene on the page. base: the scene of DATA from which it comes; values: its entries by path, SI, null if missing.
  * @typedef {{base: any, values: Record<string, number|null>, title: string, materials: Record<string, string>,
- *   law: string, effects: Record<string, string|boolean>, tolerance: number|null,
+ *   edges: string, law: string, effects: Record<string, string|boolean>, tolerance: number|null,
  *   solver: {accuracy: number|null, segments: number|null, linearisation: string}}} Scene
  */
 
@@ -15,6 +15,9 @@ function entriesOf(scene) {
   const entries = {};
   const missing = Object.fromEntries(scene.base.inputs.map((/** @type {any} */ input) => [input.path, input.missing]));
   for (const [path, value] of Object.entries(scene.values)) entries[path] = value ?? missing[path] ?? Infinity;
+  for (const side of scene.base.plate ? [0, 1] : []) {
+    if (!Number.isFinite(entries[`target.position.${side}`])) entries[`target.position.${side}`] = entries[`target.size.${side}`] / 2;
+  }
   for (const body of ["impactor", "target"]) {
     if (`${body}.mass` in scene.values && scene.values[`${body}.mass`] === null) {
       const radius = entries[`${body}.radius`];
@@ -126,9 +129,8 @@ function choose(scene, slow) {
   if (damping !== false && slow.loss_restitution < DATA.constants.least_restitution) throw new Unsupported("losses of the materials this large are not computed on this page");
   const forced = damping === true && plasticity !== true;
   const law = lawOrThrow(scene, slow, !automatic ? scene.law : forced ? damped : plastic ? yielding : elastic);
-  const { impedance: own, compliance } = supportOf(scene, slow, law);
+  const { impedance: own, compliance, vibrates = false, held = false, edges = null } = supportOf(scene, slow, law);
   const n = hardened(scene, slow, law, own, compliance) ?? slow;
-  const held = motion !== false && scene.base.support !== null;
   const light = problemOf(law, n, own, 0, compliance);
   /** @type {Record<string, {simulated: boolean, change: number|null}>} */
   const effects = {};
@@ -142,13 +144,14 @@ function choose(scene, slow) {
   }
   const moved = heavy ? problemOf(law, n, own, n.weight, compliance) : light;
 
-  let moves = own < Infinity || held;
+  let moves = own < Infinity || compliance > 0 || held;
   if (moves) {
     const known = own < Infinity || compliance > 0;
     const size = known ? changeOf(moved, problemOf(law, n, Infinity, moved.load)) : null;
     if (motion === "auto" && !held) moves = !(size !== null && size <= tolerance);
     effects.target_motion = { simulated: moves, change: size };
   }
+  for (const [name, effect] of Object.entries(edges ?? {})) effects[name] = { ...effect, simulated: effect.simulated && moves };
   let problem = moves ? moved : problemOf(law, n, Infinity, moved.load);
   let used = n;
 
@@ -163,10 +166,11 @@ function choose(scene, slow) {
   } else if (yields === false) {
     effects.plasticity = { simulated: false, change: 0 };
   }
+  if (vibrates && moves) problem = problemOf(problem.law, n, Infinity, problem.load, 0, true);
   if (forced && free) {
     effects.material_damping = { simulated: true, change: changeOf(problem, problemOf(free, n, problem.impedance, problem.load)) };
   } else if (damping !== false && !(problem.compliance > 0)) {
-    const lossy = problemOf(lawOrThrow(scene, n, damped), n, problem.impedance, problem.load);
+    const lossy = problemOf(lawOrThrow(scene, n, damped), n, problem.impedance, problem.load, 0, problem.vibrates);
     const size = changeOf(lossy, problem);
     const known = trial(problem).status >= 0; // a ball deeper than the law's end is an error, not elastic
     const takes = problem.law.name === elastic ? !(size <= tolerance) : plasticity !== true && known && reboundOf(lossy) < reboundOf(problem);
@@ -181,29 +185,37 @@ function choose(scene, slow) {
     if (waves.simulated) problem = waves.radiating;
   }
   if (n !== slow) Object.assign(effects, hardeningOf(problemOf(law, slow, own, 0, compliance), light, keeps));
-  if (moves && held && scene.base.support.modes) problem = problemOf(problem.law, n, Infinity, problem.load, 0, true);
   return { n: used, problem, effects, edges: edgesOf(scene, n, light, tolerance) };
 }
 
 /**
- * How the target moves while effects are decided. One that vibrates: by the stiffer of its impedance and its compliance.
+ * How the target moves while effects are decided. One that vibrates: by the stiffer of its impedance and its compliance. held: whether
+ * its motion is simulated however small. edges: the effects of a plate's.
  * @param {Scene} scene @param {any} n @param {any} law
+ * @returns {{impedance: number, compliance: number, vibrates?: boolean, held?: boolean, edges?: ReturnType<typeof choose>["effects"]}}
  */
 function supportOf(scene, n, law) {
   const support = supportNow(scene);
   const fixed = { impedance: Infinity, compliance: 0 };
-  if (scene.effects.target_motion === false) return fixed;
-  if (!support) return { impedance: n.impedance, compliance: 0 };
+  const { target_motion: motion, boundary_reflections: reflections, target_inertia: inertia } = scene.effects;
+  if (motion === false) return fixed;
+  const asked = scene.base.plate ? reflections === true || inertia === true : support !== null;
+  const still = { impedance: n.impedance, compliance: 0, held: asked };
+  if (!support) return still;
+  const { moves, effects: edges } = scene.base.plate ? edgesOfPlate(scene, n, law, support) : { moves: support.modes ? "vibrating" : "static", effects: undefined };
+  if (moves === "infinite") return { ...still, edges };
+  const vibrates = moves === "vibrating";
   const follows = law.series || support.compliance === 0;
   const waves = n.impedance < Infinity;
-  const own = support.modes && follows && !waves ? feltCompliance(support, problemOf(law, n, Infinity, 0), n.impactor_mass) : support.compliance;
-  const bent = { impedance: Infinity, compliance: follows || !support.modes ? own : 0 };
-  if (!support.modes || !waves) return bent;
+  const own = vibrates && follows && !waves ? feltCompliance(support, problemOf(law, n, Infinity, 0), n.impactor_mass) : support.compliance;
+  const bent = { impedance: Infinity, compliance: follows || !vibrates ? own : 0, vibrates, held: asked, edges };
+  if (!vibrates || !waves) return bent;
   const force = (/** @type {Problem} */ problem) => trial(problem).maximum_force * problem.p.force;
   const infinite = problemOf(law, n, n.impedance, 0);
   const trusted = trial(infinite).status === EVENT;
   const stiffer = trusted && (!follows || !(force(infinite) < force(problemOf(law, n, Infinity, 0, bent.compliance))));
-  return stiffer ? { impedance: n.impedance, compliance: 0 } : bent;
+  if (stiffer) return { ...still, vibrates, edges };
+  return { ...bent, held: asked || bent.compliance === 0 };
 }
 
 /** Segments of loading and unloading. @param {Problem} problem @param {number} n @returns {number[]} */

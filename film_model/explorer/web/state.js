@@ -14,7 +14,7 @@ function sceneOf(base) {
     if (material) materials[body] = typeof material === "string" ? material : (material.name ?? "");
   }
   const { title, law, effects, tolerance, solver } = base;
-  const scene = { base, values, materials, title, law, effects: { ...effects }, tolerance, solver: { ...solver } };
+  const scene = { base, values, materials, title, edges: DATA.edges[0], law, effects: { ...effects }, tolerance, solver: { ...solver } };
   chooseLaw(scene, law);
   return scene;
 }
@@ -70,6 +70,7 @@ function fragmentOf(scene) {
   for (const [body, name] of Object.entries(scene.materials)) {
     if (name !== start.materials[body]) found.set(`${body}.material`, name);
   }
+  if (scene.edges !== start.edges) found.set("target.edges", scene.edges);
   if (scene.title !== start.title) found.set("title", scene.title);
   for (const [name, value] of Object.entries(scene.effects)) {
     if (value !== start.effects[name]) found.set(name, String(value));
@@ -108,6 +109,8 @@ function applied(scene, key, text) {
     scene.values[key] = none ? null : number;
   } else if (key.endsWith(".material") && key.slice(0, -9) in scene.materials) {
     scene.materials[key.slice(0, -9)] = text.slice(0, 200);
+  } else if (key === "target.edges" && scene.base.plate && DATA.edges.includes(text)) {
+    scene.edges = text;
   } else if (key === "title") {
     scene.title = text.slice(0, 500);
   } else if (key === "law" && lawNames(scene).includes(text)) {
@@ -142,6 +145,8 @@ function tableOf(scene) {
     if (name === sceneOf(scene.base).materials[body] && typeof table[body].material !== "string") continue;
     if (typeof table[body].material !== "string" || name !== table[body].material) table[body].material = { name };
   }
+  const sided = scene.base.plate ? ["size", "position"] : [];
+  for (const name of sided) table.target[name] = [];
   for (const input of scene.base.inputs) {
     const path = input.path.split(".");
     const last = path.pop();
@@ -150,6 +155,11 @@ function tableOf(scene) {
     if (value === null) delete owner[last];
     else owner[last] = input.unit ? `${value} ${input.unit}` : value;
   }
+  for (const name of sided) { // without the values that are missing
+    table.target[name] = table.target[name].filter(() => true);
+    if (!table.target[name].length) delete table.target[name];
+  }
+  if (scene.edges !== DATA.edges[0]) table.target.edges = scene.edges;
   setLaw(scene, (table.contact ??= {}));
   table.effects = { ...table.effects, ...scene.effects };
   if (scene.tolerance !== null) table.effects.tolerance = scene.tolerance;

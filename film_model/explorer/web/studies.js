@@ -33,14 +33,14 @@ function reasonOf(error) {
 const VELOCITIES = 41;
 const VELOCITIES_ON_MODES = 11; // each takes some milliseconds
 
-/** Velocity and restitution of impacts from a tenth to ten times the scene's velocity. @param {Scene} scene */
-function restitutionCurve(scene) {
+/** Velocity and restitution of impacts from a tenth to ten times the scene's velocity. @param {Scene} scene @param {boolean} vibrates */
+function restitutionCurve(scene, vibrates) {
   const path = "impactor.velocity" in scene.values ? "impactor.velocity" : "impactor.drop_height";
   const power = path === "impactor.velocity" ? 1 : 2;
   const own = /** @type {number} */ (scene.values[path]);
   /** @type {{x: number[], y: number[]}} */
   const curve = { x: [], y: [] };
-  const places = scene.base.support?.modes ? VELOCITIES_ON_MODES : VELOCITIES;
+  const places = vibrates ? VELOCITIES_ON_MODES : VELOCITIES;
   for (let k = 0; k < places; k++) {
     const factor = 10 ** ((2 * k) / (places - 1) - 1);
     const other = copyOf(scene);

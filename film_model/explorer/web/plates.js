@@ -1,0 +1,80 @@
+// Plates of finite size: how they move between their edges, by the rules of film_model/effects/edge_effects.py.
+
+/** Sides and struck point of a plate, m; null without sides. @param {Scene} scene */
+function sidesOf(scene) {
+  const of = (/** @type {string} */ name) => [0, 1].map((side) => scene.values[`target.${name}.${side}`] ?? null);
+  const [size, position] = [of("size"), of("position")];
+  const missing = (/** @type {(number|null)[]} */ values) => values.filter((value) => value === null).length;
+  for (const [name, values] of Object.entries({ size, position })) {
+    if (missing(values) === 1) throw new Unsupported(`target.${name} needs both values, along x and along y, or neither`);
+  }
+  const simple = scene.edges === DATA.edges[0];
+  const { boundary_reflections: reflections, target_motion: motion } = scene.effects;
+  if (missing(size)) {
+    const damped = scene.values["target.damping_ratio"] !== null;
+    const others = { position: !missing(position), edges: !simple, damping_ratio: damped };
+    const needing = Object.entries(others).find(([, given]) => given);
+    if (needing) throw new Unsupported(`target.${needing[0]} needs a size: an infinite plate has neither edges nor vibrations`);
+    if (reflections === true && motion !== false) throw new Unsupported("effects.boundary_reflections is true, but the plate has no size");
+    return null;
+  }
+  if (!simple) throw new Unsupported(`a plate with ${scene.edges} edges is not computed on this page: use film-model run`);
+  const [x, y] = position.map((value, side) => value ?? /** @type {number} */ (size[side]) / 2);
+  const [a, b] = /** @type {number[]} */ (size);
+  if (!(x > 0 && x < a && y > 0 && y < b)) throw new Unsupported("target.position must lie between the edges: a support does not deflect");
+  return { size: [a, b], position: [x, y] };
+}
+
+/** A plate with sides and its modes, by the core's closed form; the latest is kept. @param {Scene} scene */
+function plateNow(scene) {
+  const sides = sidesOf(scene);
+  if (!sides) return null;
+  const { size: [a, b], position: [x, y] } = sides;
+  const { mass, d11, mixed, d22, part } = FORMULAS[scene.base.plate.numbers](entriesOf(scene));
+  const key = [a, b, mass, d11, mixed, d22, x, y].join(" ");
+  if (CORE.plate.key === key) return CORE.plate;
+  const whole = [a, b, mass, d11, mixed, d22, 0];
+  const upTo = (/** @type {number} */ highest) => CORE.plateModes(whole, x, y, highest);
+  const { most_computed: limit } = DATA.constants.vibration;
+  let [lowest, highest] = [2 ** -20, 2 ** 60];
+  while (CORE.ofPlate(whole, (place) => CORE.c.film_plate_most(place, highest)) > limit) highest /= 2 ** 0.25;
+  while (lowest < highest && upTo(lowest).frequency.length === 0) lowest *= 2;
+  const compliance = CORE.ofPlate(whole, (place) => CORE.c.film_plate_compliance(place, x, y));
+  CORE.plate = { key, part, compliance, lowest: upTo(lowest).frequency[0] ?? 0, highest, lacking: null, modes: {}, upTo };
+  return CORE.plate;
+}
+
+/**
+ * Whether a plate moves as an infinite one, by its static stiffness, or vibrates, and the effects of its edges.
+ * @param {Scene} scene @param {any} n @param {any} law @param {any} support of plateNow
+ * @returns {{moves: "infinite"|"static"|"vibrating", effects: ReturnType<typeof choose>["effects"]}}
+ */
+function edgesOfPlate(scene, n, law, support) {
+  const { boundary_reflections: wanted, target_inertia: inertia } = scene.effects;
+  const { plate } = scene.base;
+  const infinite = problemOf(law, n, n.impedance, 0);
+  const tried = trial(infinite);
+  const sound = tried.status === EVENT && infinite.p.approach > 0 && tried.maximum_indentation > 0;
+  const x = entriesOf(scene);
+  let reflections = sound ? FORMULAS[plate.reflections](x, infinite.p, tried).change : null;
+  /** @type {number|null} */
+  let ratio = null;
+  const moving = (/** @type {"infinite"|"static"|"vibrating"} */ moves) => ({
+    moves,
+    effects: {
+      boundary_reflections: { simulated: moves !== "infinite", change: reflections },
+      target_inertia: { simulated: moves === "vibrating", change: moves === "infinite" ? 0 : ratio && Math.min(ratio, 1) },
+    },
+  });
+  if (wanted === false || (wanted === "auto" && !(reflections > toleranceOf(scene)))) return moving("infinite");
+  if (!law.series) {
+    if (inertia !== false) return moving("vibrating");
+    if (law.family === "damped" && wanted !== true) return moving("infinite");
+    throw new Unsupported(`law ${law.name} cannot be in series with a static stiffness`);
+  }
+  const bent = problemOf(law, n, Infinity, 0, support.compliance);
+  ratio = FORMULAS[plate.inertia](bent.p, trial(bent), n, support.compliance, support.part).ratio;
+  if (inertia !== false && !(inertia === "auto" && Number(ratio) <= toleranceOf(scene))) return moving("vibrating");
+  reflections = changeOf(bent, infinite);
+  return moving("static");
+}

@@ -125,8 +125,8 @@ def obliqueness(case: Case, rule: Rule) -> Effect:
 
     Without friction the change is the range of the ball's tangential velocity for friction coefficients from 0 to 1,
     over its speed before: the impulse is at most µ m (1 + e) V cos α, and at most m_t v (1 + β), with the largest share
-    β of the velocity that an elastic contact gives back. How it slides is said
-    without damping only, which lets more friction through.
+    β of the velocity that an elastic contact gives back. How it slides is said without damping only, which lets more
+    friction through.
     """
     scene, damps = case.scene, case.problem.damps and case.scene.contact.friction is not None
     return oblique(scene, rule, None if damps else case.restitution, case.tolerance)

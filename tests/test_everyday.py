@@ -232,6 +232,6 @@ def test_a_file_of_the_other_kind_is_named_in_one_sentence(tmp_path, capsys):
 
 def test_only_names_for_users_are_listed():
     tools = {"Any", "TYPE_CHECKING", "annotations", "import_module", "find_spec"}
-    for package, names in ((fm, {"simulate", "laws"}), (fd, {"sweep", "open"})):
+    for package, names in ((fm, {"simulate", "LAWS"}), (fd, {"sweep", "open"})):
         assert not tools & {*dir(package)} and names <= {*dir(package)}
     assert repr(fm.LAWS).startswith("<film_model.laws: hertz, ") and "jackson-green" in repr(fm.LAWS)

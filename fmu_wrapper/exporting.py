@@ -32,11 +32,12 @@ from fmu_wrapper.archive import zipped
 from fmu_wrapper.assumptions import segments_for_speeds, served, validity_of
 from fmu_wrapper.documentation import documentation
 from fmu_wrapper.free_body import as_structure
-from fmu_wrapper.model_description import Experiment, FmiVersion, Names, model_description, printable
+from fmu_wrapper.model_description import Experiment, FmiVersion, Names, Outputs, model_description, printable
 from fmu_wrapper.related import related_files
 from fmu_wrapper.terminals import terminals_and_icons
 from fmu_wrapper.variables import KINDS, VARIABLES, Kind, reference
 
+OUTPUTS: tuple[Outputs, ...] = ("all", "real")
 _NAMESPACE = uuid.UUID("6c9a1e0e-53a4-5b0c-8f57-0a1d6b5b3c55")
 
 
@@ -50,6 +51,7 @@ def export(
     platform: str | Sequence[str] | None = None,
     with_sources: bool = False,
     name: str | None = None,
+    outputs: Outputs = "all",
     overwrite: bool = False,
 ) -> Path:
     """Write a scene as an FMU, which runs without Python. Returns the path of the file.
@@ -61,6 +63,7 @@ def export(
     all where ziglang is installed, else this machine.
     with_sources: for importers that compile; C names begin with the model identifier, so that several FMUs link
     into one program. name: of the model, from which the identifier is made too; the default is the scene's title.
+    outputs: "real" makes local variables of those that are no real numbers, for tools that take real outputs only.
 
     The FMU serves every value of its parameters (:func:`fmu_wrapper.served`), and reports by its output `validity`
     where an assumption of the export does not hold. A parameter is left out if the law's stages depend on it, or if a
@@ -73,12 +76,7 @@ def export(
     if scene.target.free and kind == "impact":
         scene = as_structure(scene)
     _check_friction(scene, kind)
-    if fmi_version not in (2, 3):
-        raise ValueError(f"fmi_version: {fmi_version!r} is not allowed: 2 or 3 is needed")
-    if kind not in KINDS:
-        raise ValueError(f"kind: {kind!r} is not allowed: {' or '.join(map(repr, KINDS))} is needed")
-    if target.suffix != ".fmu":
-        raise ValueError(f"{target}: the file name of an FMU must end in .fmu")
+    _check_choices(fmi_version, kind, outputs, target)
     check_replaceable(target, overwrite)
     try:
         gap = units.to_si(initial_gap, "length", bare=True)
@@ -90,7 +88,7 @@ def export(
     version: FmiVersion = 2 if fmi_version == 2 else 3
     names = Names.of(scene, kind, name)
     binaries = _binaries(platform)
-    files = _contents(scene, kind, version, gap, with_sources, names)
+    files = _contents(scene, kind, version, gap, with_sources, names, outputs)
     for on, binary in binaries.items():
         where = platforms.PLATFORMS.get(on)
         suffix = Path(platforms.built_library()).suffix if where is None else where.suffix
@@ -98,6 +96,18 @@ def export(
     with written_whole(target) as beside:
         beside.write_bytes(zipped(files))
     return target
+
+
+def _check_choices(fmi_version: int, kind: Kind, outputs: Outputs, target: Path) -> None:
+    """Raise ValueError for what is not among the values that are allowed."""
+    if fmi_version not in (2, 3):
+        raise ValueError(f"fmi_version: {fmi_version!r} is not allowed: 2 or 3 is needed")
+    if kind not in KINDS:
+        raise ValueError(f"kind: {kind!r} is not allowed: {' or '.join(map(repr, KINDS))} is needed")
+    if outputs not in OUTPUTS:
+        raise ValueError(f"outputs: {outputs!r} is not allowed: {' or '.join(map(repr, OUTPUTS))} is needed")
+    if target.suffix != ".fmu":
+        raise ValueError(f"{target}: the file name of an FMU must end in .fmu")
 
 
 def _binaries(platform: str | Sequence[str] | None) -> dict[str, bytes]:
@@ -130,7 +140,7 @@ def _check_friction(scene: Scene, kind: Kind) -> None:
 
 
 def _contents(
-    scene: Scene, kind: Kind, version: FmiVersion, gap: float, with_sources: bool, names: Names
+    scene: Scene, kind: Kind, version: FmiVersion, gap: float, with_sources: bool, names: Names, outputs: Outputs
 ) -> dict[str, bytes]:
     """All files except the binaries."""
     scene = replace(scene, title=printable(scene.title))
@@ -152,7 +162,7 @@ def _contents(
 
     def described(token: str) -> bytes:
         sensors = [sensor.name for sensor in scene.target.sensors or ()][: data.modes.sensors]
-        return model_description(data, version, token, names, description, experiment, sources, sensors)
+        return model_description(data, version, token, names, description, experiment, sources, sensors, outputs)
 
     text = scene.archived_text()
     unnamed = described("") + resource.finished(data, "") + text.encode()

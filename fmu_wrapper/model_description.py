@@ -6,7 +6,7 @@ import re
 import unicodedata
 import xml.etree.ElementTree as ET
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 from film_model.base.unit_symbols import parse_unit
@@ -35,6 +35,7 @@ from fmu_wrapper.variables import (
 )
 
 FmiVersion = Literal[2, 3]
+Outputs = Literal["all", "real"]
 ITEMS = {Phase: PHASES, EventKind: EVENT_KINDS, Sliding: SLIDINGS}
 _NOT_IN_XML = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 LOG_CATEGORIES = {
@@ -111,11 +112,15 @@ def model_description(
     experiment: Experiment,
     sources: Iterable[str] = (),
     sensors: Iterable[str] = (),
+    outputs: Outputs = "all",
 ) -> bytes:
-    """Content of the file. sources: names of the C files in the FMU (FMI 2.0 lists them here). sensors: names."""
+    """Content of the file. sources: names of the C files in the FMU (FMI 2.0 lists them here). sensors: names.
+    outputs: "real" makes local variables of those that are whole numbers or enumerations."""
     sensed = of_sensors(sensors)
     chosen = [v for v in VARIABLES if has(data, v.name) and (version == 3 or not _is_indicator(v))]
     chosen += sensed
+    if outputs == "real":
+        chosen = [v if v.type == Real else _as_local(v) for v in chosen]
     numbers = {v.name: k for k, v in enumerate((*VARIABLES, *sensed))}
     root = ET.Element(
         "fmiModelDescription",
@@ -155,6 +160,11 @@ def model_description(
     _structure(root, data, chosen, numbers, version)
     ET.indent(root)
     return ET.tostring(root, encoding="UTF-8", xml_declaration=True) + b"\n"
+
+
+def _as_local(v: Variable) -> Variable:
+    """The variable, local in kinds of FMU where it is an output."""
+    return replace(v, causality={kind: "local" if cause == "output" else cause for kind, cause in v.causality.items()})
 
 
 def _is_indicator(v: Variable) -> bool:

@@ -52,7 +52,7 @@ def test_it_is_simulated_and_exact(bilinear):
 def test_pages_and_pictures_contain_it(bilinear, tmp_path, monkeypatch, capsys):
     pages = loaded("reference_pages", ROOT / "examples" / "reference_pages.py", monkeypatch)
     assert "- springs: `walton-braun`, `luding`, `bilinear`\n" in pages.families()
-    assert "- `yield_force`: F_y (force)" in pages.laws_page()
+    assert "| `yield_force` | F_y (force) |" in pages.laws_page()
     plot = pytest.importorskip("film_model.plot")
     pytest.importorskip("matplotlib")
     figure = plot.plot_laws(tmp_path / "laws.png", dpi=30)

@@ -239,6 +239,28 @@ def test_casadi_takes_the_derivative_by_a_tunable_parameter(dae, version):
 
 
 @VERSIONS
+def test_casadi_takes_real_outputs_as_they_are(made, tmp_path, version):
+    """Without them it refuses the file; what the FMU computes is the same."""
+    casadi = pytest.importorskip("casadi")
+    on, point = scene("hertz", "plate"), ([5e-6, 0.2, 1e-7], [3.0, 0.01])
+    builders = {}
+    for outputs in ("all", "real"):
+        with zipfile.ZipFile(made(on, version, outputs=outputs)) as archive:
+            archive.extractall(tmp_path / outputs)
+        builders[outputs] = casadi.DaeBuilder("fmu", str(tmp_path / outputs))
+    with pytest.raises(RuntimeError):
+        builders["all"].create("f", ["x", "u"], ["ode", "y"])(*point)
+    names = builders["real"].y()
+    assert "contact_force" in names and "stage" not in names and "validity" not in names
+    builders["all"].set_y(names)
+    found = [builder.create("f", ["x", "u"], ["ode", "y"])(*point) for builder in builders.values()]
+    for one, other in zip(*found, strict=True):
+        assert np.array_equal(np.array(one), np.array(other))
+    with pytest.raises(ValueError, match="outputs: 'whole' is not allowed: 'all' or 'real' is needed"):
+        fmu_wrapper.export(on, tmp_path / "x.fmu", outputs="whole")
+
+
+@VERSIONS
 def test_casadi_loads_a_contact(dae, version):
     model = dae(scene("hertz"), version, ("contact_force",), kind="contact").create("f", ["u"], ["y"])
     assert model.size1_out(0) == 1 and model.jacobian().n_out() == 1

@@ -28,6 +28,9 @@ def add_commands(named: Any) -> None:
     )
     parser.add_argument("--with-sources", action="store_true", help="include the C sources, for importers that compile")
     parser.add_argument("--name", help="name of the model (default: the kind and the scene's title)")
+    parser.add_argument(
+        "--outputs", choices=("all", "real"), default="all", help="real: for tools that take real outputs only"
+    )
     parser.add_argument("--output", metavar="FILE.fmu", help="file to write (default: impact.fmu or contact.fmu)")
     add_force(parser, "overwrite an existing file")
     parser.set_defaults(command=export_fmu)
@@ -67,6 +70,7 @@ def export_fmu(options: argparse.Namespace) -> int:
         platform=options.platform,
         with_sources=options.with_sources,
         name=options.name,
+        outputs=options.outputs,
         overwrite=options.force,
     )
     print_written(path)

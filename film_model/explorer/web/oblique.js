@@ -105,7 +105,7 @@ function frictionOfSprings(scene, n, problem, given, rebound, duration, sample) 
   const power = CORE.c.film_springs_power(curve);
   const runs = radii.map((radius) => followSprings(springs, { ...given, power }, time, force, radius));
   const [{ velocity, friction, largest, step, apart, regime, events }] = runs;
-  const impulse = n.mass * (n.speed - rebound) + p.load * p.force * duration; // of the normal force
+  const impulse = n.impactor_mass * (n.speed - rebound) + p.load * p.force * duration; // of the normal force
   const slid = given.velocity - (Math.sign(given.velocity) * given.friction * impulse) / given.mass;
   const ends = regime === 2 ? [slid] : runs.map((run) => run.velocity[steps]);
   return {

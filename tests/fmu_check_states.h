@@ -35,7 +35,8 @@ static void random_step(unit *u, double typical, double values[VARIABLES]) {
     } else {
         if (data->kind == CONTACT) {
             HOLD(set(u, INDENTATION, data->length_scale * uniform(-1.0, 3.0)) == GOOD);
-            HOLD(set(u, RELATIVE_VELOCITY, uniform(-1.0, 1.0) * data->length_scale / typical) == GOOD);
+            double speed = uniform(0.6, 1.0) * data->length_scale / typical; /* a contact that doubles it is refused */
+            HOLD(set(u, RELATIVE_VELOCITY, whole(0, 1) ? speed : -speed) == GOOD);
         }
         forward(u, size, NULL);
     }

@@ -197,7 +197,7 @@ static inline double get(unit *u, unsigned reference) {
 
 static inline int has(const resources *r, unsigned reference) {
     if (beside(r) && VARIABLE[reference].changes == IN_MODEL_EXCHANGE) return 0;
-    if (reference >= SLIDING_VELOCITY && reference <= FRICTION_WORK && !r->data.available[FRICTION]) return 0;
+    if (reference >= SLIDING_VELOCITY && reference <= TIME_OF_LAST_SLIDING_EVENT && !r->data.available[FRICTION]) return 0;
     return VARIABLE[reference].role[r->data.kind] != ABSENT && (reference >= SETTABLE || r->data.available[reference]);
 }
 

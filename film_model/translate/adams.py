@@ -21,9 +21,7 @@ def _force(pair: Pair, values: Values, depth: Any, rate: Any) -> Any:
 
 
 def _start(pair: Pair, middle: Middle) -> dict[str, float]:
-    stiffness = middle.stiffness(1.5)
-    damping = 2.0 * middle.damping_ratio * (pair.mass * middle.force / middle.depth) ** 0.5
-    return {"k": stiffness, "e": 1.5, "cmax": 1.5 * damping, "d": 0.3 * middle.depth}
+    return {"k": middle.stiffness(1.5), "e": 1.5, "cmax": 1.5 * middle.damping(pair.mass), "d": 0.3 * middle.depth}
 
 
 def _paste(pair: Pair, values: Values) -> str:

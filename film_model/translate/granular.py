@@ -63,8 +63,7 @@ def spring_and_dashpot(pair: Pair, values: Values, depth: Any, rate: Any) -> Any
 
 def start_spring_and_dashpot(pair: Pair, middle: Middle) -> dict[str, float]:
     """The spring through the middle impact's largest force and depth, with its damping ratio."""
-    k = middle.stiffness(1.0)
-    return {"kn": k, "cn": 2.0 * middle.damping_ratio * (pair.mass * k) ** 0.5}
+    return {"kn": middle.stiffness(1.0), "cn": middle.damping(pair.mass)}
 
 
 def start_by_restitution(pair: Pair, middle: Middle) -> dict[str, float]:

@@ -68,6 +68,10 @@ class Middle:
         loss = -math.log(min(max(self.restitution, 0.01), 0.9999))
         return loss / math.hypot(math.pi, loss)
 
+    def damping(self, mass: float) -> float:
+        """Damping coefficient of that dashpot beside the spring through the largest force and depth, N s/m."""
+        return 2.0 * self.damping_ratio * (mass * self.force / self.depth) ** 0.5
+
     def stiffness(self, exponent: float) -> float:
         """k of a spring F = k δ^n with this largest force at this depth."""
         return self.force / self.depth**exponent

@@ -16,8 +16,7 @@ def _force(pair: Pair, values: Values, depth: Any, rate: Any) -> Any:
 
 
 def _start(pair: Pair, middle: Middle) -> dict[str, float]:
-    damping = 2.0 * middle.damping_ratio * (pair.mass * middle.force / middle.depth) ** 0.5
-    return {"c": middle.stiffness(1.5), "d": damping, "n": 1.5}
+    return {"c": middle.stiffness(1.5), "d": middle.damping(pair.mass), "n": 1.5}
 
 
 def _paste(pair: Pair, values: Values) -> str:

@@ -24,28 +24,26 @@ def _start(pair: Pair, middle: Middle) -> dict[str, float]:
 
 def _paste(pair: Pair, values: Values) -> str:
     numbers = f"ke={values['ke']:.6g}, kd={values['kd']:.6g}, kf=0, mu={pair.friction or 0.0:.6g}, density=0"
-    inertia = 0.4 * pair.ball_mass * pair.ball_radius**2
-    body = (
-        "{name} = builder.add_body(xform=wp.transform((0, 0, {height:.6g}), wp.quat_identity()), mass={mass:.6g},\n"
-        "    inertia=wp.mat33({inertia:.6g}, 0, 0, 0, {inertia:.6g}, 0, 0, 0, {inertia:.6g}))\n"
-        "builder.add_shape_sphere({name}, radius={radius:.6g}, cfg=contact)"
-    )
     radius = pair.target_radius
-    ball = body.format(
-        name="ball", height=pair.ball_radius, mass=pair.ball_mass, inertia=inertia, radius=pair.ball_radius
-    )
     if math.isinf(radius):
         other = "builder.add_ground_plane(cfg=contact)"
     elif pair.fixed:
         other = f"""builder.add_shape_sphere(-1, xform=wp.transform((0, 0, {-radius:.6g}), wp.quat_identity()),
     radius={radius:.6g}, cfg=contact)"""
     else:
-        spin = 0.4 * pair.target_mass * radius**2
-        other = body.format(name="target", height=-radius, mass=pair.target_mass, inertia=spin, radius=radius)
+        other = _body("target", -radius, pair.target_mass, radius)
     return f"""contact = newton.ModelBuilder.ShapeConfig({numbers})
-{ball}
+{_body("ball", pair.ball_radius, pair.ball_mass, pair.ball_radius)}
 {other}
 # then newton.solvers.SolverSemiImplicit(builder.finalize())"""
+
+
+def _body(name: str, height: float, mass: float, radius: float) -> str:
+    """A solid sphere with its centre at a height."""
+    inertia = f"{0.4 * mass * radius**2:.6g}"
+    return f"""{name} = builder.add_body(xform=wp.transform((0, 0, {height:.6g}), wp.quat_identity()), mass={mass:.6g},
+    inertia=wp.mat33({inertia}, 0, 0, 0, {inertia}, 0, 0, 0, {inertia}))
+builder.add_shape_sphere({name}, radius={radius:.6g}, cfg=contact)"""
 
 
 SEMI_IMPLICIT = EngineLaw(

@@ -9,7 +9,7 @@ import uuid
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, cast
+from typing import Any, cast, get_args
 
 import numpy as np
 
@@ -37,7 +37,7 @@ from fmu_wrapper.related import related_files
 from fmu_wrapper.terminals import terminals_and_icons
 from fmu_wrapper.variables import KINDS, VARIABLES, Kind, reference
 
-OUTPUTS: tuple[Outputs, ...] = ("all", "real")
+OUTPUTS: tuple[Outputs, ...] = get_args(Outputs)
 _NAMESPACE = uuid.UUID("6c9a1e0e-53a4-5b0c-8f57-0a1d6b5b3c55")
 
 

@@ -145,6 +145,7 @@ def constants() -> dict[str, float]:
         "longest": LONGEST,
         "equal": EQUAL,
         "most_computed": MOST_COMPUTED,
+        "least_frequency": structures.SLOWEST,
         "modes_of_a_step": modal.MODES_OF_A_STEP,
         "most_work": LIVE_WORK,
         "refined": REFINED,

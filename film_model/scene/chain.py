@@ -6,6 +6,7 @@ import math
 import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any, ClassVar, NamedTuple
 
 from film_model.base.errors import Mistake, SceneError, did_you_mean, raise_all, shown
@@ -101,12 +102,12 @@ class Chain(InUnits):
         count = f"{len(row)} bodies" + (f" with {ends} ends" if ends > 1 else "")
         return f"Chain({count}{'' if self.target is None else ', before a half-space'}; law {self.contact.law_name})"
 
-    @property
+    @cached_property
     def row(self) -> list[ChainBody]:
         """Every body, one by one."""
         return [body for body in self.bodies for _ in range(body.count)]
 
-    @property
+    @cached_property
     def links(self) -> list[Link]:
         """Which bodies touch: each of them but the first with the one in front of it, then the last ones with the
         target."""
@@ -138,7 +139,7 @@ class Chain(InUnits):
             return [str(number) for number in range(1, len(links) + 1)]
         return [f"{x.front + 1}-{'target' if x.behind is None else x.behind + 1}" for x in links]
 
-    @property
+    @cached_property
     def directions(self) -> list[float]:
         """Angle of each body's line to that of the first, rad."""
         found = [0.0]

@@ -35,8 +35,8 @@ function plateNow(scene) {
   if (CORE.plate.key === key) return CORE.plate;
   const whole = [a, b, mass, d11, mixed, d22, 0];
   const upTo = (/** @type {number} */ highest) => CORE.plateModes(whole, x, y, highest);
-  const { most_computed: limit } = DATA.constants.vibration;
-  let [lowest, highest] = [2 ** -20, 2 ** 60];
+  const { most_computed: limit, least_frequency: least } = DATA.constants.vibration;
+  let [lowest, highest] = [least, 2 ** 60];
   while (CORE.ofPlate(whole, (place) => CORE.c.film_plate_most(place, highest)) > limit) highest /= 2 ** 0.25;
   while (lowest < highest && upTo(lowest).frequency.length === 0) lowest *= 2;
   const compliance = CORE.ofPlate(whole, (place) => CORE.c.film_plate_compliance(place, x, y));

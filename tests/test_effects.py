@@ -594,7 +594,7 @@ def test_explain_as_json(capsys):
 
 def test_laws_are_compared_under_the_effects_of_the_scene():
     scene = fm.Scene.from_toml(SCENES / "tungsten_carbide_on_steel.toml")
-    rows = {row["name"]: row for row in explain.compare_laws(scene)}
+    rows = {row["name"]: row for row in explain.compare_laws(scene, "big-alabo")}
     for name in ("hertz", "big-alabo", "stronge"):
         own = fm.simulate(scene.replace({"contact.law": name})).summary
         assert {key: cell["value"] for key, cell in rows[name]["summary"].items()} == own
@@ -603,9 +603,17 @@ def test_laws_are_compared_under_the_effects_of_the_scene():
     assert len(said) < 17 and sum("Not compared, because they need" in line for line in said) == 1
     assert not any(line.startswith("meyer ") for line in said) and "meyer (exponent, stiffness), " in " ".join(said)
     meyer = scene.replace({"contact": {"law": "meyer", "stiffness": "1e9 N/m^1.5", "exponent": 1.5}})
-    rows = {row["name"]: row for row in explain.compare_laws(meyer)}
+    rows = {row["name"]: row for row in explain.compare_laws(meyer, "meyer")}
     assert rows["meyer"]["summary"] is not None
     assert rows["hertz"]["summary"] is not None
+
+
+@pytest.mark.parametrize("material", ["aluminium 6061-T6", "natural rubber 50 Shore A"])
+def test_comparison_of_laws_begins_with_what_the_scene_gives(material):
+    scene = fm.Scene(fm.Sphere("20 mm", "3 m/s", material="bearing steel"), fm.HalfSpace(material=material))
+    history, first = fm.simulate(scene), explain.explain(scene, laws=True)["laws"][0]
+    assert first["name"] == history.problem.law.name
+    assert {key: cell["value"] for key, cell in first["summary"].items()} == history.summary
 
 
 @pytest.mark.slow

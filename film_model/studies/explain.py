@@ -44,22 +44,21 @@ def explain(scene: Scene, *, laws: bool = False) -> dict[str, Any]:
         "effects": [effect.to_dict() for effect in choice.effects],
         "warnings": list(choice.warnings),
     }
-    return {**report, "laws": compare_laws(scene)} if laws else report
+    return {**report, "laws": compare_laws(scene, report["law"])} if laws else report
 
 
-def compare_laws(scene: Scene) -> list[dict[str, Any]]:
+def compare_laws(scene: Scene, law: str) -> list[dict[str, Any]]:
     """One row per law: name, and summary as in `History.to_dict`, or the reason why it is missing; needs: the entries
     of [contact] that would have to be given, if that is the reason.
 
-    All laws use the scene's materials and the common [contact] entries; only the scene's own law uses its parameters.
+    law: the one that the scene is simulated with, the first row, which is as the scene says. The others use the scene's
+    materials and the common [contact] entries, and only the effects that they have when a scene names them.
     """
     table = scene.to_table()
     common = {name: value for name, value in table["contact"].items() if name in Contact.FIELDS}
     rows: list[dict[str, Any]] = []
-    for name in dict.fromkeys((scene.contact.law_name, *LAWS)):
-        if name == "auto":
-            continue
-        contact = table["contact"] if name == scene.contact.law_name else {**common, "law": name}
+    for name in dict.fromkeys((law, *LAWS)):
+        contact = table["contact"] if name == law else {**common, "law": name}
         row: dict[str, Any] = {"name": name, "summary": None, "missing": None, "needs": []}
         try:
             summary = simulate_quietly(Scene.from_table({**table, "contact": contact})).summary

@@ -2,6 +2,7 @@
 
 import json
 import math
+import re
 
 import numpy as np
 import pytest
@@ -466,6 +467,12 @@ def test_run_prints_it_and_json_has_it(tmp_path, capsys):
     assert table["rebound_angle"] == {"value": history.oblique.summary["rebound_angle"], "units": "rad"}
     assert history.oblique.friction_work.check("[energy]")
     assert next(e for e in history.effects if e.name == "obliqueness").state == "simulated"
+    path.write_text(slanted("0 deg", mu=0.0, spin="1000 rpm").to_toml(), encoding="utf-8")
+    assert main(["run", str(path)]) == 0
+    assert re.search(r"tangential restitution +-\n", capsys.readouterr().out)
+    assert main(["run", str(path), "--json"]) == 0
+    table = json.loads(capsys.readouterr().out)["oblique"]
+    assert table["tangential_restitution"]["value"] is None and table["impact_number"]["value"] is None
 
 
 def test_what_cannot_be_simulated_is_refused_in_a_sentence(tmp_path):

@@ -74,9 +74,10 @@ class Oblique:
         raise AttributeError(name)
 
     def to_dict(self) -> dict[str, Any]:
-        """Plain values, for JSON."""
+        """Plain values, for JSON, which has no infinite ones and no NaN: None instead."""
         values = {
-            name: {"value": value, "units": units.si_unit(OBLIQUE[name][0])} for name, value in self.summary.items()
+            name: {"value": value if math.isfinite(value) else None, "units": units.si_unit(OBLIQUE[name][0])}
+            for name, value in self.summary.items()
         }
         events = [{"name": name, "time": time} for time, name in self.events]
         return {**values, "sliding_regime": self.sliding_regime, "events": events, "estimated_error": self.estimated}
@@ -103,4 +104,6 @@ class Oblique:
 
 def _shown(name: str, value: float) -> str:
     dimension = OBLIQUE[name][0]
+    if math.isnan(value):
+        return "-"
     return f"{math.degrees(value):.6g} deg" if dimension == "angle" else format_si(value, dimension, 6)

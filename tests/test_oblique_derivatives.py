@@ -39,6 +39,18 @@ def test_of_a_contact_that_slides_throughout():
     assert found.of("rebound_spin", "impactor.velocity").check("1/[length]")
 
 
+def test_without_friction_the_impact_number_has_none(tmp_path, capsys):
+    path = tmp_path / "smooth.toml"
+    path.write_text(slanted("30 deg", friction=0.0).to_toml(), encoding="utf-8")
+    assert main(["run", str(path), "--derivatives", "contact.friction", "--json"]) == 0
+    found = json.loads(capsys.readouterr().out)["derivatives"]
+    assert found["impact_number"]["contact.friction"]["value"] is None
+    steepest = -7.0 * SPEED * math.cos(math.radians(30.0))
+    assert found["contact_point_rebound_velocity"]["contact.friction"]["value"] == pytest.approx(steepest, rel=1e-7)
+    assert main(["run", str(path), "--derivatives", "contact.friction"]) == 0
+    assert "0.0000 %" not in capsys.readouterr().out  # of a number that is 0
+
+
 PATHS = ("impactor.angle", "contact.friction", "impactor.velocity", "impactor.radius", "impactor.spin")
 
 

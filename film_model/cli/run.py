@@ -187,6 +187,6 @@ def _derivatives(history: History) -> str:
             slope = found.values[name][path]
             if slope is None:
                 continue
-            share = f"{slope * entry.value / value:.4f} %" if value else "-"
+            share = f"{slope * entry.value / value:.4f} %" if value and entry.value else "-"
             lines.append(f"    {name.replace('_', ' '):30}{found.text_of(name, path):>24}{share:>12}")
     return "".join(f"{line}\n" for line in lines)

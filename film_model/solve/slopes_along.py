@@ -55,6 +55,7 @@ def _set(found: Slopes, places: Index, pairs: Pairs, side: int) -> None:
     regime = many.regime.reshape(-1, places.size)
     alike = ((regime == regime[base]) & (regime >= 0)).all(axis=0)
     values = np.stack([many.summary[name] for name in OBLIQUE]).reshape(len(OBLIQUE), 2, -1, places.size)
+    values[np.isinf(values)] = np.nan  # the impact number of a contact without friction
     step = WIDER * pairs.step
     slope, wide = (np.einsum("s,nsp->pn", weights, values[:, k]) / (step * (k + 1.0))[:, None] for k in (0, 1))
     own = values[:, 0, base].T

@@ -35,6 +35,7 @@ TARGET_RULES = {
 
 DOCS, SCENES = Path(__file__).parents[1] / "docs", Path(__file__).parent / "scenes"
 README = DOCS.parent / "README.md"
+FORMULAS = re.compile(r"(?:^ {4}.*(?:\n|$))+", re.MULTILINE)
 MARKED = re.compile(r"(<!-- laws: .*? -->\n).*?(<!-- end of laws -->)", re.DOTALL)
 
 
@@ -151,12 +152,18 @@ def _by_target(effect: str) -> str:
 
 
 def _section(name: str, law: type[AbstractLaw], heading: str = "##") -> str:
-    own = "\n".join(f"| `{key}` | {_parameter(value)} |" for key, value in law.parameters.items())
     from_scene = ", ".join(f"`{key}`" for key in law_fields(law) if key in SCENE_FIELDS)
-    lines = [f"{heading} {name}", inspect.cleandoc(law.__doc__ or ""), f"Valid: {law.validity}."]
-    lines += [f"| parameter | |\n|---|---|\n{own}"] if own else []
-    lines += [f"From the scene: {from_scene}."] if from_scene and name in LAWS else []
-    return "\n\n".join(lines) + "\n"
+    rows = [f"| `{key}` | {_parameter(value)} |" for key, value in law.parameters.items()]
+    rows += [f"| from the scene | {from_scene} |"] if from_scene and name in LAWS else []
+    rows += [f"| valid | {law.validity} |"]
+    table = "\n".join(["| parameter | |", "|---|---|", *rows])
+    return f"{heading} {name}\n\n{_shown(law.__doc__, law.source)}\n\n{table}\n"
+
+
+def _shown(docstring: str | None, source: str = "") -> str:
+    """A docstring as Markdown, without the source that it begins with; indented formulas as code."""
+    text = inspect.cleandoc(docstring or "").removeprefix(f"{source}.").removeprefix(" ").strip("\n")
+    return FORMULAS.sub(lambda found: f"```text\n{inspect.cleandoc(found[0])}\n```\n", text)
 
 
 def _parameter(parameter: Parameter) -> str:

@@ -47,8 +47,8 @@ See also [how to simulate it](how_to/oblique_impact.md) and [the method](method.
 ![Rebound of the contact point, and tangential restitution over the angle](oblique.png)
 
 Left: sliding velocity v of the contact point after the impact over that before, ψ = v/(κ µ V_n), for χ = {chi:.4f}.
-From ψ₁ = {end:.3f} = 4χ − 1 on the contact slides throughout; below, what it has stored along the surface throws the contact
-point back: ψ₂ < 0. Right: tangential restitution of the same impacts.
+From ψ₁ = {end:.3f} = 4χ − 1 on the contact slides throughout; below, what it has stored along the surface throws the
+contact point back: ψ₂ < 0. Right: tangential restitution of the same impacts.
 
 ## Alumina on glass
 

@@ -76,16 +76,19 @@ held out: never used to choose or fit a law, nor for the intervals below.
 {families}
 
 Nearly all are rebounds and dents of Leeb hardness testers, balls of tungsten carbide or diamond at 1.3 to 3 m/s on
-steel; {conversions} are conversions of hardness or tensile strength. Neighbours in one table are not independent, nor
-are conversions that go back to one manufacturer. None are of force, duration, polymers, ice, adhesion or another metal;
-{mild} of steels below {soft_steel:.0f} HV. "Outside" counts rows beyond the range that the law names.
+steel; {conversions} are conversions of hardness or tensile strength. Neighbours in one table, and conversions of one
+manufacturer, are not independent. None are of force, duration, polymers, ice, adhesion or another metal; {mild} of
+steels below {soft_steel:.0f} HV. "Outside" counts rows beyond the range that the law names.
 
-- The flow strength is H/2.8 with H = 9.80665 HV/0.927 MPa.
-- A steel has the strain rate coefficient of Johnson & Cook (1983) of the steel whose flow stress A + B 0.08^n,
-  {flows} MPa, is nearest: 0.022 (1006), 0.014 (4340) or 0.012 (S-7). {unraised} have no strength to raise.
-- The hardness must be known within ±10 %: half of a printed range counts, a number in HV, HB or HRC as ±5 %, a tensile
-  strength without range as ±10 % (Proceq, Equotip 3 operating instructions, p. 22).
-- Dents are compared by `dent_diameter`, of `pce_2800` by that of the depth where the printed one contradicts it.
+| | |
+|---|---|
+| flow strength | H/2.8, H = 9.80665 HV/0.927 MPa |
+| strain rate coefficient (Johnson & Cook 1983) | 0.022 (1006), 0.014 (4340) or 0.012 (S-7) |
+| by the nearest flow stress A + B 0.08^n | {flows} MPa |
+| without a strength to raise | {unraised} |
+| hardness | known within ±10 %: half of a printed range; a number in HV, HB or HRC ±5 % |
+| tensile strength without range | ±10 % (Proceq, Equotip 3 operating instructions, p. 22) |
+| dents | `dent_diameter`, of `pce_2800` that of the depth where the printed one contradicts it |
 
 Law `auto` with other inputs ("90 %": the error that 90 % of the rows stay within):
 
@@ -107,9 +110,9 @@ range; for the others, soft steels of `gbt_50344` up to 360 HLD, the law is too 
 
 ## Finite elements
 
-{runs} [finite-element impacts](finite_elements.md) of a rigid ball (dataset `finite_element_impacts`), up to 1000 yield
-velocities, without rate, friction or waves. Law `elastoplastic` was fitted to {fitted}; {left_out} are held out. Laws
-without hardening take the flow stress at 8 % strain. Permanent indentations are over the largest.
+{runs} [finite-element impacts](finite_elements.md) up to 1000 yield velocities. Law `elastoplastic` was fitted to
+{fitted}; {left_out} are held out. Laws without hardening take the flow stress at 8 % strain. Permanent indentations are
+over the largest.
 
 {finite_elements}
 
@@ -128,10 +131,8 @@ material without a rate law. The ranks were chosen after the coverage had been s
 
 ## Oblique impacts
 
-Alumina balls of 5 mm on glass at 3.9 m/s without spin (Kharaz, Gorham & Salman 2001; dataset `oblique_impacts`), by
-Hertz's law with their µ = 0.092. {close} of {angles} tangential restitutions are met within {near:g} (digitisations
-differ by 0.005), spins within {spin} rad/s (of {fastest}), rebound angles within {turn}°. More: [oblique
-impact](oblique.md).
+Alumina balls on glass (dataset `oblique_impacts`; [more](oblique.md)): {close} of {angles} tangential restitutions are
+met within {near:g}, spins within {spin} rad/s (of {fastest}), rebound angles within {turn}°.
 
 {oblique}
 
@@ -143,7 +144,7 @@ Johnson's fully plastic impact.
 
 ## Elastic theories
 
-Hertz's law on a half-space, or on a plate of the given impedance, without waves and losses in the material.
+Hertz's law on a half-space or plate, without waves and losses in the material.
 
 {elastic}
 

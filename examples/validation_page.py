@@ -96,9 +96,9 @@ Law `auto` with other inputs ("90 %": the error that 90 % of the rows stay withi
 
 More than 10 % wrong with complete conditions: {misses}.
 
-"By name" takes the steel of the catalogue with the nearest Vickers hardness: it has none from {gap} HV, where
-{between} rebounds lie. Of the {known} rows whose hardness is not known within ±10 %, {met} are met by one within its
-range; for the others, soft steels of `gbt_50344` up to 360 HLD, the law is too high by up to {highest} %.
+"By name" takes the steel of the catalogue with the nearest Vickers hardness: none from {gap} HV, where {between}
+rebounds lie. Of the {known} rows whose hardness is not known within ±10 %, {met} are met by one within its range; for
+the others, soft steels of `gbt_50344` up to 360 HLD, the law is too high by up to {highest} %.
 
 ![computed over published values, and the distribution of the errors](validation.png)
 
@@ -121,9 +121,13 @@ Law "auto" gives the values of `elastoplastic` within 0.05 %.
 ## Intervals of the model
 
 [Intervals](understand/accuracy_and_cost.md#how-far-measurements-lie) of 90 % are made from the rows that are not held
-out. Of the {held} held-out rows that have one, {inside} lie in it: {share} %, where 90 ± {spread} % is expected of
-independent rows; {new_inside} of {new} in intervals made without the source of the row; {slow_inside} of {slow} on a
-material without a rate law. The ranks were chosen after the coverage had been seen: no blind test.
+out. The ranks were chosen after the coverage had been seen: no blind test.
+
+| held-out rows | in their interval |
+|---|---|
+| all | {inside} of {held}: {share} %; 90 ± {spread} % of independent rows |
+| interval made without the source of the row | {new_inside} of {new} |
+| material without a rate law | {slow_inside} of {slow} |
 
 | family | quantity | rows | from, % | to, % | held-out rows inside |
 |---|---|---|---|---|---|
@@ -154,7 +158,7 @@ Hertz's law on a half-space or plate, without waves and losses in the material.
 
 ## Measured values with incomplete conditions
 
-Compared only in the table of inputs, if the hardness alone is not known within ±10 %.
+In the table of inputs, if the hardness alone is not known within ±10 %.
 
 {incomplete}
 

@@ -124,9 +124,9 @@ def obliqueness(case: Case, rule: Rule) -> Effect:
 
     Without friction the change is the range of the ball's tangential velocity for friction coefficients from 0 to 1,
     over its speed before: the impulse is at most µ m (1 + e) V cos α and m_t v (1 + β), with the largest share β of the
-    velocity that an elastic contact gives back. How it slides is not said under damping, which lets more friction
-    through.
+    velocity that an elastic contact gives back.
     """
+    # how it slides is not said under damping, which lets more friction through
     scene, damps = case.scene, case.problem.damps and case.scene.contact.friction is not None
     return oblique(scene, rule, None if damps else case.restitution, case.tolerance)
 

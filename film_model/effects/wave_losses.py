@@ -4,9 +4,9 @@
     Z = 0.0878 t_c² ρ c_T³/β           takes as much, ∫F² dt/Z, in an elastic impact of the contact time t_c
 
 In impacts that yield Z is right within 5 % up to 100 yield velocities and rises as (V/V_Y)^0.07 beyond; the energy is
-right within 12 %. A warning comes beyond 15 % of the energy. Later contacts at V' lose an energy wrong by the factor
-(V'/V)^{2/5}. Law "auto" simulates it, others only if the scene asks for it; none where the weight exceeds a tenth of
-the largest elastic force, which would move the target at F/Z.
+right within 12 %. Above 15 % of the energy a warning comes. Later contacts at V' lose an energy wrong by the factor
+(V'/V)^{2/5}. Law "auto" simulates it, others if the scene asks for it; none where the weight exceeds a tenth of the
+largest elastic force, which would move the target at F/Z.
 """
 
 from __future__ import annotations

@@ -53,9 +53,7 @@ class HalfSpace(AbstractTarget):
         return math.inf if self.material is None else radiation_impedance(self.material, duration)
 
     def thickness_effect(self, impact: Impact) -> Estimate:
-        """Thickness at which a plate takes the tolerated fraction of the energy, ∫F² dt/Z with the half-space's F: an
-        upper bound.
-        """
+        """Thickness at which a plate takes the tolerated fraction of the energy, ∫F² dt/Z: an upper bound."""
         if self.material is None:
             return missing("a thickness and target.material")
         m = self.material
@@ -66,9 +64,7 @@ class HalfSpace(AbstractTarget):
         return Estimate(reason, least, indicator="sufficient thickness, m")
 
     def wave_losses(self, impact: Impact) -> Estimate:
-        """Energy of the waves over the impact energy, as V^{3/5} without weight; where a weight leaves nothing, the
-        ball stays.
-        """
+        """Energy of the waves over the impact energy, as V^{3/5} without weight."""
         if self.material is None:
             return missing("target.material")
         share = radiated_energy(self.material, impact) / impact.energy

@@ -312,8 +312,8 @@ class Plate(AbstractTarget):
         return Estimate(reason, value, threshold, size)
 
     def thickness_effect(self, impact: Impact) -> Estimate:
-        """Shear adds k² h²/5 to the mobility 1/Z and to the energy of bending waves, as in the lowest wave of a layer
-        pressed on its face: k² = ω √(ρ_A/D), ω = 0.77 π/t_c, the mean over a half-sine's spectrum.
+        """Shear adds k² h²/5 to the mobility 1/Z and to the energy of bending waves (lowest wave of a layer pressed on
+        its face), k² = ω √(ρ_A/D), ω = 0.77 π/t_c, the mean over a half-sine's spectrum.
 
         Of a plate bent as a whole: ½ c F² over the impact energy, c F the deflection around the load that plate theory
         and contact law neglect (`shear_around` in targets/plate_waves.py).

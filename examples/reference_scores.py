@@ -85,9 +85,9 @@ $ film-model score results --plot score.png
 | chain | steps of order 8 that end at events | DOP853 of SciPy on displacements |
 
 The error bound of a value is the sum of the error estimates of both computations; their difference is within it in
-every case (`tests/test_reference_impacts.py`). Both use the core's force on the branches of the law and, on targets
-with edges, the number of vibrations that the first chooses. Histories on targets without edges are within 1e-9 of the
-largest value of a column, measured up to the turn.
+every case (`tests/test_reference_impacts.py`). Both use the core's force on the branches of the law, and as many
+vibrations. Histories on targets without edges are within 1e-9 of the largest value of a column, measured up to the
+turn.
 
 Chung and Ooi's tests are included: 1 and 2, 3 with Tsuji's damping, 4 to 8 elastic and with friction. In 5 to 8 both
 bodies are of one material; in 7 the contact points move alike, without friction.
@@ -104,11 +104,14 @@ time [us], contact_force [N], impactor_velocity [m/s]
 0.5, 11.2, 0.3999
 ```
 
-The error of a column is its largest difference to the exact motion at the times of the file, over the largest value of
-the reference; of a chain, the largest of all bodies or contacts. Compared with the summary are largest force and
-indentation, the duration (the last time with a force), the rebound (the last `impactor_velocity`) and the restitution
-(the last `relative_velocity`). In Python: `film_datasets.score(path)`,
-`film_datasets.plot_scores(scores, "score.png")`, `film_datasets.write_suite(folder)`.
+| compared | error |
+|---|---|
+| column, at the times of the file | largest difference over the largest value; of a chain, the largest of all bodies or contacts |
+| largest force and indentation | to the summary |
+| duration, rebound, restitution | of the last time with a force, the last `impactor_velocity` and `relative_velocity` |
+
+In Python: `film_datasets.score(path)`, `film_datasets.plot_scores(scores, "score.png")`,
+`film_datasets.write_suite(folder)`.
 
 ## Four engines
 

@@ -106,7 +106,7 @@ time [us], contact_force [N], impactor_velocity [m/s]
 
 | compared | error |
 |---|---|
-| column, at the times of the file | largest difference over the largest value; of a chain, the largest of all bodies or contacts |
+| column, at the times of the file | largest difference over the largest value; of a chain, of all bodies or contacts |
 | largest force and indentation | to the summary |
 | duration, rebound, restitution | of the last time with a force, the last `impactor_velocity` and `relative_velocity` |
 

@@ -104,11 +104,12 @@ time [us], contact_force [N], impactor_velocity [m/s]
 0.5, 11.2, 0.3999
 ```
 
-| compared | error |
+| compared | with |
 |---|---|
-| column, at the times of the file | largest difference over the largest value; of a chain, of all bodies or contacts |
-| largest force and indentation | to the summary |
-| duration, rebound, restitution | of the last time with a force, the last `impactor_velocity` and `relative_velocity` |
+| column | motion at its times: largest difference over the largest value; of a chain, of all bodies |
+| largest force, largest indentation | summary |
+| last time with a force | duration |
+| last `impactor_velocity`, last `relative_velocity` | rebound, restitution |
 
 In Python: `film_datasets.score(path)`, `film_datasets.plot_scores(scores, "score.png")`,
 `film_datasets.write_suite(folder)`.
@@ -119,8 +120,7 @@ In Python: `film_datasets.score(path)`, `film_datasets.plot_scores(scores, "scor
 LAMMPS {lammps} and Yade {yade}. Each has the parameters that [`film-model contact-for`](engines.md) finds for the
 case, of the laws `constraint`, `point`, `hertz` and `mindlin`. What remains for small steps is the difference of the
 laws: LAMMPS and Yade have Hertz's itself, Drake's force is linear in depth, and none yields. MuJoCo's manual asks for a
-time constant of at least two steps, {constants}.
-Median and largest error, with steps per contact:
+time constant of at least two steps, {constants}. Median and largest error, with steps per contact:
 
 {table}
 

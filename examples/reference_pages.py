@@ -55,8 +55,8 @@ def laws_page() -> str:
     rules = "\n".join(_section(name, law, "###") for name, law in UNLOADINGS.items())
     return f"""# Contact laws
 
-Name a law in a scene's `[contact]` as `law = "…"`, with its parameters; quantities have units.
-δ: indentation, F: contact force, K = (4/3) E √R: Hertz's stiffness.
+`law = "…"` in a scene's `[contact]` names the law, beside its parameters. δ: indentation, F: contact force,
+K = (4/3) E √R: Hertz's stiffness.
 
 ![One impact under every law](laws.png)
 

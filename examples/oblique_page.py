@@ -42,36 +42,33 @@ TEXT = """# Oblique impact: theory, measurements and other models
 
 <!-- written by examples/oblique_page.py -->
 
-How film-model compares; see also [how to simulate it](how_to/oblique_impact.md) and
-[the method](method.md#15-oblique-impact).
+See also [how to simulate it](how_to/oblique_impact.md) and [the method](method.md#15-oblique-impact).
 
 ![Rebound of the contact point, and tangential restitution over the angle](oblique.png)
 
-Left: sliding velocity v of the contact point after the impact over that before, ψ = v/(κ µ V_n), for χ = {chi:.4f}. The
-contact sticks first below ψ₁ = 1 and slides throughout from {end:.3f} = 4χ − 1 on, where ψ₂ = ψ₁ − 4χ. Between, what
-the contact has stored along the surface throws the contact point back: ψ₂ < 0. Right: tangential restitution of the
-same impacts.
+Left: sliding velocity v of the contact point after the impact over that before, ψ = v/(κ µ V_n), for χ = {chi:.4f}.
+From ψ₁ = {end:.3f} = 4χ − 1 on the contact slides throughout; below, what it has stored along the surface throws the
+contact point back: ψ₂ < 0. Right: tangential restitution of the same impacts.
 
 ## Alumina on glass
 
-Kharaz, Gorham & Salman (2001): alumina balls of 5 mm on glass, 3.9 m/s, µ = 0.092, no spin before; the points and the
-scene are in `examples/measurements/`. Digitisations of their figures differ by up to 0.4° and 0.005. Computed with
-Hertz's law, thus e = 1 (measured 0.98), and with nothing fitted.
+Kharaz, Gorham & Salman (2001): alumina balls of 5 mm on glass, 3.9 m/s, µ = 0.092, no spin before
+(`examples/measurements/`). Digitisations of their figures differ by up to 0.4° and 0.005. Computed with Hertz's law,
+e = 1 (measured 0.98), nothing fitted.
 
 Tangential restitution:
 
 {restitution}
 
-The models have the stiffness of Mindlin's theory, 8 G* a, and differ in how the spring meets a contact that grows,
-shrinks and slips:
+| model, stiffness 8 G* a | in a contact that grows, shrinks and slips |
+|---|---|
+| Mindlin's spring (`mindlin` in LAMMPS; LIGGGHTS, MFiX) | its length accumulates, its force is cut at µ F |
+| rescaled (`mindlin_rescale/force`) | its force accumulates, and shrinks with the contact radius on the way out |
+| Hooke | both springs are linear, K_t = K_n/κ |
+| rigid | the contact slides until it rolls |
 
-- Mindlin's spring: its length accumulates and its force is cut at µ times the normal one (`mindlin` in LAMMPS; LIGGGHTS
-  and MFiX alike);
-- rescaled: its force accumulates, and shrinks with the contact radius on the way out (`mindlin_rescale/force`);
-- Hooke: both springs are linear, K_t = K_n/κ; rigid: the contact slides until it rolls.
-
-At small angles the rim of the contact slips on the way out although its middle sticks, and the contact loses tangential
-velocity. A spring with one slider does not slip then: `mindlin` gives the whole velocity back.
+At small angles the rim of the contact slips on the way out although its middle sticks, and takes tangential velocity.
+A spring with one slider does not slip then: `mindlin` gives the whole velocity back.
 
 Spin after the impact (opposite to the sliding before):
 
@@ -87,8 +84,8 @@ Difference of the models from the theory in ψ₂, over 0 < ψ₁ ≤ 6 and for 
 
 ## Finite elements
 
-Elastic ball, ν = 0.3, µ = 0.3, 5 m/s (Wu; test 5 of Chung & Ooi 2011), as tangential velocity of the contact point over
-µ V_n:
+Elastic ball, ν = 0.3, µ = 0.3, 5 m/s (Wu; test 5 of Chung & Ooi 2011): tangential velocity of the contact point over
+µ V_n.
 
 {elements}
 """

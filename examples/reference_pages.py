@@ -14,6 +14,7 @@ from film_model.effects import rate_hardening, viscoelasticity, wave_losses
 from film_model.effects.choose import choose
 from film_model.effects.effect import COMPUTED
 from film_model.effects.judged import RULES
+from film_model.effects.material_rules import material_damping
 from film_model.laws import LAWS, AbstractLaw, Parameter
 from film_model.laws.law import FAMILIES, SCENE_FIELDS, law_fields
 from film_model.laws.unloading import UNLOADINGS
@@ -24,7 +25,6 @@ from film_model.targets import TARGETS
 TARGET_RULES = {
     "boundary_reflections": "reflections",
     "thickness": "thickness_effect",
-    "contact_width": "contact_width",
     "wave_losses": "wave_losses",
     "stretching": "stretching",
     "bending_strength": "bending_strength",
@@ -35,6 +35,7 @@ TARGET_RULES = {
 
 DOCS, SCENES = Path(__file__).parents[1] / "docs", Path(__file__).parent / "scenes"
 README = DOCS.parent / "README.md"
+FORMULAS = re.compile(r"(?:^ {4}.*(?:\n|$))+", re.MULTILINE)
 MARKED = re.compile(r"(<!-- laws: .*? -->\n).*?(<!-- end of laws -->)", re.DOTALL)
 
 
@@ -54,8 +55,8 @@ def laws_page() -> str:
     rules = "\n".join(_section(name, law, "###") for name, law in UNLOADINGS.items())
     return f"""# Contact laws
 
-Name a law in a scene's `[contact]` as `law = "…"`, with its parameters; quantities have units.
-δ: indentation, F: contact force, K = (4/3) E √R: Hertz's stiffness.
+`law = "…"` in a scene's `[contact]` names the law, beside its parameters. δ: indentation, F: contact force,
+K = (4/3) E √R: Hertz's stiffness.
 
 ![One impact under every law](laws.png)
 
@@ -80,22 +81,25 @@ def effects_page() -> str:
         f"| `{name}` | {what} | {known[name].indicator} | {known[name].source} |" for name, what in COMPUTED.items()
     )
     rules = {name: rule for name, rule in RULES.items() if name not in COMPUTED}
-    judged = "\n".join(
-        f"### {name.replace('_', ' ')}\n\n{inspect.cleandoc(judge.__doc__ or '')}\n\n{_by_target(name)}".rstrip() + "\n"
-        for name, (_, judge) in rules.items()
-    )
-    sources = "\n".join(f"| `{name}` | {rule.indicator} | {rule.source} |" for name, (rule, _) in rules.items())
-    damping, reflections = (
-        inspect.cleandoc(RULES[name][1].__doc__ or "") for name in ("material_damping", "boundary_reflections")
+    texts = {name: _shown(judge.__doc__).partition("\n\n") for name, (_, judge) in rules.items()}
+    texts = {name: (what.rstrip("."), f"{how}\n\n{_by_target(name)}".strip()) for name, (what, _, how) in texts.items()}
+    judged = "\n\n".join(f"### {name.replace('_', ' ')}\n\n{how}" for name, (_, how) in texts.items() if how)
+    sources = "\n".join(
+        f"| `{n}` | {texts[n][0]} | {rule.indicator} | {rule.source} |" for n, (rule, _) in rules.items()
     )
     return f"""# Effects
 
 `film-model explain` has a line for each effect of your scene; `--verbose` adds indicator, threshold and source. An
 effect is simulated, not needed, switched off by the scene, needed but not modelled (a warning in every output), or not
-judged because the scene lacks data.
-"Error if neglected" is the largest relative difference of a summary value: force, indentation and times relative to
-themselves, the dent to the maximum indentation, velocities to the approach velocity, energies to the impact energy. An
-effect matters if it exceeds `tolerance` in `[effects]` (1 %, or the accuracy if that is larger).
+judged because the scene lacks data. It matters if the error if neglected, the largest change of a summary value,
+exceeds `tolerance` in `[effects]` (1 %, or the accuracy if that is larger):
+
+| change of | relative to |
+|---|---|
+| force, indentation, times | themselves |
+| dent | maximum indentation |
+| velocities | approach velocity |
+| energies | impact energy |
 
 ## Computed
 
@@ -106,25 +110,26 @@ or `"auto"`, except `fully_plastic`, which is part of the law.
 |---|---|---|---|
 {computed}
 
-{inspect.cleandoc(rate_hardening.__doc__ or "")}
+{_shown(rate_hardening.__doc__)}
 
-{inspect.cleandoc(viscoelasticity.__doc__ or "")}
+{_shown(viscoelasticity.__doc__)}
 
-{damping}
+{_shown(material_damping.__doc__)}
 
-{inspect.cleandoc(wave_losses.__doc__ or "")}
+{_shown(wave_losses.__doc__)}
 
-{_by_target("wave_losses")}Boundary reflections. {reflections}
+{_by_target("wave_losses")}Boundary reflections:
 
 {_by_target("boundary_reflections")}## Judged
 
 Not simulated, and estimated to first order: the order of magnitude.
 
-| effect | indicator | source |
-|---|---|---|
+| effect | | indicator | source |
+|---|---|---|---|
 {sources}
 
 {judged}
+
 ## Compared
 
 `examples/effects_compared.py` finds these numbers without the package's estimates.
@@ -146,17 +151,23 @@ def _by_target(effect: str) -> str:
     kinds: dict[str, list[str]] = {}
     for kind, target in TARGETS.items():
         if method in vars(target):
-            kinds.setdefault(inspect.cleandoc(vars(target)[method].__doc__ or ""), []).append(kind)
+            kinds.setdefault(_shown(vars(target)[method].__doc__), []).append(kind)
     return "".join(f"**{', '.join(names)}** — {text}\n\n" for text, names in kinds.items())
 
 
 def _section(name: str, law: type[AbstractLaw], heading: str = "##") -> str:
-    own = "\n".join(f"| `{key}` | {_parameter(value)} |" for key, value in law.parameters.items())
     from_scene = ", ".join(f"`{key}`" for key in law_fields(law) if key in SCENE_FIELDS)
-    lines = [f"{heading} {name}", inspect.cleandoc(law.__doc__ or ""), f"Valid: {law.validity}."]
-    lines += [f"| parameter | |\n|---|---|\n{own}"] if own else []
-    lines += [f"From the scene: {from_scene}."] if from_scene and name in LAWS else []
-    return "\n\n".join(lines) + "\n"
+    rows = [f"| `{key}` | {_parameter(value)} |" for key, value in law.parameters.items()]
+    rows += [f"| from the scene | {from_scene} |"] if from_scene and name in LAWS else []
+    rows += [f"| valid | {law.validity} |"]
+    table = "\n".join(["| parameter | |", "|---|---|", *rows])
+    return f"{heading} {name}\n\n{_shown(law.__doc__, law.source)}\n\n{table}\n"
+
+
+def _shown(docstring: str | None, source: str = "") -> str:
+    """A docstring as Markdown, without the source that it begins with; indented formulas as code."""
+    text = inspect.cleandoc(docstring or "").removeprefix(f"{source}.").removeprefix(" ").strip("\n")
+    return FORMULAS.sub(lambda found: f"```text\n{inspect.cleandoc(found[0])}\n```\n", text)
 
 
 def _parameter(parameter: Parameter) -> str:

@@ -57,12 +57,15 @@ TEXT = """# Reference impacts
 `film-model reference-impacts --output DIR` writes an open suite of {count} impacts against which any code that
 simulates contact can be tested: under elastic, plastic, damped, adhesive and viscoelastic laws; on a half-space, a
 free body, a plate, a rod, a beam and a structure; oblique with friction and spin, under weight, bouncing, and of
-balls in a row and a fork. Each is a folder of plain files: `case.toml`, the scene in SI with explicit numbers;
-`reference.csv`, the motion; and `summary.json`, its results with up to 10 certified digits, an error bound, and the
-difference to a second computation by another method. `README.md` in the folder explains the files,
-`summary.schema.json` describes the last, and `SHA256SUMS` holds their hashes: the command writes the same bytes in
-every run, with any number of `--workers`. The licence is CC0. It takes about half a minute; `--cases NAMES` writes
-some.
+balls in a row and a fork. The licence is CC0. The command takes about half a minute and writes the same bytes in
+every run:
+
+| file of each case | |
+|---|---|
+| `case.toml` | the scene in SI with explicit numbers |
+| `reference.csv` | the motion |
+| `summary.json` | results with up to 10 certified digits, error bound, difference to the second computation |
+| `summary.schema.json`, of all | schema of `summary.json` |
 
 ```console
 $ film-model reference-impacts --output impacts --workers 2
@@ -81,20 +84,19 @@ $ film-model score results --plot score.png
 | bouncing | the component, to 1e-11 | DOP853, bounce after bounce |
 | chain | steps of order 8 that end at events | DOP853 of SciPy on displacements |
 
-The error bound of a value is the sum of the error estimates of both computations; the difference of the two is within
-it in every case (`tests/test_reference_impacts.py`). Both use the core's force on the branches of the law and, on
-targets with edges, the number of vibrations that the first chooses. Histories on targets without edges are within 1e-9
-of the largest value of a column, measured up to the turn.
+The error bound of a value is the sum of the error estimates of both computations; their difference is within it in
+every case (`tests/test_reference_impacts.py`). Both use the core's force on the branches of the law, and as many
+vibrations. Histories on targets without edges are within 1e-9 of the largest value of a column, measured up to the
+turn.
 
 Chung and Ooi's tests are included: 1 and 2, 3 with Tsuji's damping, 4 to 8 elastic and with friction. In 5 to 8 both
-bodies are of one material; in 7 the contact points move alike, so that there is no friction.
+bodies are of one material; in 7 the contact points move alike, without friction.
 
 ## Scoring a code
 
-`film-model score PATH` takes a file `CASE.csv` or a folder of them (`--case NAME` for a file of another name), in the
-format of [measured histories](reference/csv_files.md): the heading names the columns with their units, `time` and at
-least one of `contact_force`, `indentation`, `impactor_velocity`, `relative_velocity` and so on. Time counts from first
-touch.
+`film-model score PATH` takes a file `CASE.csv` or a folder of them (`--case NAME` for a file of another name) with the
+columns of [measured histories](reference/csv_files.md#a-measured-history), those of a chain with the number of a body
+or contact (`velocity_2 [m/s]`, `contact_force_1 [N]`):
 
 ```text
 time [us], contact_force [N], impactor_velocity [m/s]
@@ -102,22 +104,23 @@ time [us], contact_force [N], impactor_velocity [m/s]
 0.5, 11.2, 0.3999
 ```
 
-The exact motion is evaluated at the times of the file. The error of a column is its
-largest difference over the largest value of the reference; largest force and indentation, the duration (the last time
-with a force), the rebound (the last `impactor_velocity`) and the restitution (the last `relative_velocity`) are
-compared with the summary. The columns of a chain have the number of a body or contact (`velocity_2 [m/s]`,
-`contact_force_1 [N]`), and its errors are the largest of all bodies or contacts. `--json` prints the errors of all
-cases, `--plot` draws them. In Python:
-`film_datasets.score(path)`, `film_datasets.plot_scores(scores, "score.png")`, `film_datasets.write_suite(folder)`.
+| compared | with |
+|---|---|
+| column | motion at its times: largest difference over the largest value; of a chain, of all bodies |
+| largest force, largest indentation | summary |
+| last time with a force | duration |
+| last `impactor_velocity`, last `relative_velocity` | rebound, restitution |
+
+In Python: `film_datasets.score(path)`, `film_datasets.plot_scores(scores, "score.png")`,
+`film_datasets.write_suite(folder)`.
 
 ## Four engines
 
 {cases} cases on a fixed target, elastic, damped and yielding, in MuJoCo {mujoco}, Drake {drake} (discrete, `kLagged`),
-LAMMPS {lammps} and Yade {yade}. Each has the parameters that [`film-model contact-for`](engines.md) finds for that
+LAMMPS {lammps} and Yade {yade}. Each has the parameters that [`film-model contact-for`](engines.md) finds for the
 case, of the laws `constraint`, `point`, `hertz` and `mindlin`. What remains for small steps is the difference of the
-engine's law from that of the case: LAMMPS and Yade have Hertz's law itself, Drake's force is linear in depth, and no
-law here yields. Steps are per contact; MuJoCo's manual asks for a time constant of at least two steps, {constants}.
-Median and largest error over the cases:
+laws: LAMMPS and Yade have Hertz's itself, Drake's force is linear in depth, and none yields. MuJoCo's manual asks for a
+time constant of at least two steps, {constants}. Median and largest error, with steps per contact:
 
 {table}
 

@@ -160,9 +160,9 @@ def _law(law: AbstractLaw) -> list[str]:
     own = type(law).__doc__ or ""
     texts = [f"{law.name}: {law.summary}. {law.source}."]
     if not own.startswith(f"{type(law).__name__}("):  # not the docstring that dataclass generates
-        texts += cleandoc(own).split("\n\n")
+        texts += cleandoc(own).removeprefix(f"{law.source}.").strip("\n").split("\n\n")
     texts += [f"Valid: {law.validity}."] if law.validity else []
-    return [f"<p>{html.escape(text)}</p>" for text in texts]
+    return [f"<{tag}>{html.escape(text)}</{tag}>" for text in texts for tag in ["pre" if text[:4].isspace() else "p"]]
 
 
 def _chosen(kind: str, scene: Scene, problem: Problem) -> list[str]:

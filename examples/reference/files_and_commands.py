@@ -48,9 +48,9 @@ COMMANDS = {
 def sweep_page() -> str:
     """The keys of a sweep file."""
     samples = ", ".join(f"{most:,} for `{design}`" for design, most in MOST_SAMPLES.items())
-    spread = "\n".join(
-        f"- `{{ {name} = [{', '.join('abcd'[: len(one.roles)])}] }}`: {one.what}" for name, one in DISTRIBUTIONS.items()
-    )
+    spread = [
+        (f"`{{ {name} = [{', '.join('abcd'[: len(one.roles)])}] }}`", one.what) for name, one in DISTRIBUTIONS.items()
+    ]
     return f"""# Sweep file
 
 {MADE}`film-model sweep sweep.toml --output sweep.nc` runs it.
@@ -75,22 +75,34 @@ def sweep_page() -> str:
             ],
         )
     }
-- `"grid"`: every value with every other. `"zip"`: first values together, then second values, and so on.
-- `"random"`, `"sobol"`, `"latin-hypercube"`: `samples` points; Sobol's cover ranges most evenly. `correlation` is that
-  of the normal deviates by whose probabilities they are drawn.
-- `{{ file = "runs.csv" }}`, or `.parquet`: the rows of your table, in place of `[over]`; see [Sweeps](../sweeps.md).
-
+{
+        table(
+            ("design", "impacts"),
+            [
+                ('`"grid"`', "every value with every other"),
+                ('`"zip"`', "first values together, then second values, and so on"),
+                ('`"random"`, `"sobol"`, `"latin-hypercube"`', "`samples` points; Sobol's cover ranges most evenly"),
+                ('`{ file = "runs.csv" }`, or `.parquet`', "[rows of your table](../sweeps.md), without `[over]`"),
+            ],
+        )
+    }
 ## `[over]`
 
-A value of `"impactor.velocity"`, or of any other key that is a number:
-
-- a list: `["1 m/s", "2 m/s"]`; in a grid it increases or decreases
-- `{{ from = "1 m/s", to = "9 m/s", count = 50, spacing = "log" }}`; spacing is {words(SPACINGS)},
-  and sampled designs take no `count`
-{spread}
-- `{{ {EMPIRICAL} = ["1 m/s", "1.2 m/s", …] }}`: observed values, interpolated linearly
-- `"10 mm ± 0.05 mm"` or `"10 mm ± 0.5 %"`: uniform between the limits
-
+{
+        table(
+            ("value of a key that is a number", "meaning"),
+            [
+                ('`["1 m/s", "2 m/s"]`', "a list; in a grid it increases or decreases"),
+                (
+                    '`{ from = "1 m/s", to = "9 m/s", count = 50, spacing = "log" }`',
+                    f"spacing {words(SPACINGS)}; no `count` in sampled designs",
+                ),
+                *spread,
+                (f'`{{ {EMPIRICAL} = ["1 m/s", "1.2 m/s", …] }}`', "observed values, interpolated linearly"),
+                ('`"10 mm ± 0.05 mm"`, `"10 mm ± 0.5 %"`', "uniform between the limits"),
+            ],
+        )
+    }
 Distributions need a sampled design. Words take lists: `"contact.law" = ["hertz", "stronge"]`; whole sections too:
 `"contact" = [{{ law = "hertz" }}, {{ law = "tsuji", restitution = 0.7 }}]`.
 
@@ -134,10 +146,8 @@ def csv_page() -> str:
 measurements the units may be a row of their own. Commas, semicolons or tabs separate, `#` begins a comment.
 Restitutions may be in `[%]`.
 
-Other headings, and lines of an oscilloscope before them, are read by
-`film-model identify … --columns time=TIME force="CH1 [2.2 kN]"`: the heading in the file, with the unit of its numbers
-unless the file says so; a factor is that of the sensor, here 2.2 kN/V. Other columns are ignored. See
-`examples/measurements`.
+Other headings, as of an oscilloscope, are named by `film-model identify … --columns time=TIME force="CH1 [2.2 kN]"`,
+with the unit unless the file has it; a factor is that of the sensor, here 2.2 kN/V. Other columns are ignored.
 
 ## A measured history
 
@@ -153,8 +163,8 @@ time [us], force [N]
 
 ## Measured motions of sensors
 
-For `film-model identify --force-from` and `film_datasets.identify_force`: even times, and a column for each sensor of
-`[[target.sensors]]`, of displacement, velocity or acceleration by its unit.
+For `film-model identify --force-from` and `film_datasets.identify_force`: even times, and for each sensor its
+displacement, velocity or acceleration, by the unit.
 
 ```text
 time [us], corner [m/s^2], wall [g]
@@ -164,7 +174,7 @@ time [us], corner [m/s^2], wall [g]
 
 ## Measured impacts
 
-For `film-model identify`: one row for each impact. Cells may be empty, except velocities.
+For `film-model identify`, one row for each impact. Only velocities are required.
 
 {rows({"impactor_velocity": ("velocity", "at first touch, normal to the surface; required"), **SUMMARY})}
 ```text
@@ -176,7 +186,7 @@ velocity [m/s], restitution
 ## Columns that are converted
 
 {converted}
-Accelerations may be in `g`, 9.80665 m/s². `rebound_height` and `drop_height` take falls without drag.
+Accelerations may be in `g`, 9.80665 m/s². Heights are those of falls without drag.
 
 ```text
 drop_height, rebound_height
@@ -187,8 +197,7 @@ mm, mm
 
 ## A contact law as a table
 
-`law = "tabulated"` with `file = "…"` in `[contact]`: an `indentation` that increases from 0, a `force` that does not
-decrease.
+`law = "tabulated"` with `file = "…"` in `[contact]`:
 
 ```text
 indentation [um], force [N]
@@ -199,9 +208,8 @@ indentation [um], force [N]
 
 ## Vibrations of a structure
 
-`kind = "structure"` with `file = "…"` in `[target]`: one row for each vibration, in any order. Between semicolons
-decimal commas, and Fortran's exponents `1.5D+03`, are read. A comment may give the static compliance if the scene does
-not: `# static_compliance = 4.01e-6 m/N`.
+`kind = "structure"` with `file = "…"` in `[target]`, one row for each vibration. Decimal commas between semicolons and
+Fortran's exponents `1.5D+03` are read. A comment may give the static compliance: `# static_compliance = 4.01e-6 m/N`.
 
 {
         table(
@@ -235,9 +243,14 @@ def command_page() -> str:
     )
     return f"""# Command line
 
-{MADE}Progress and warnings go to standard error. Exit status 0: done; 2: the scene, the FMU or the command line is
-wrong; 3: the work failed, a file cannot be read or written, or a check failed; 130: interrupted. `--json` prints one
-JSON object, in SI units.
+{MADE}Progress and warnings go to standard error. `--json` prints one JSON object, in SI units.
+
+| exit status | |
+| --- | --- |
+| 0 | done |
+| 2 | the scene, the FMU or the command line is wrong |
+| 3 | the work failed, a file cannot be read or written, or a check failed |
+| 130 | interrupted |
 
 {sections}"""
 

@@ -164,10 +164,8 @@ def scene_page() -> str:
     return f"""# Scene file
 
 {MADE}A scene is a TOML file; `film-model new` writes a commented one. A quantity is a text with any unit of the right
-dimension (`"10 mm"`, `in`, `mph`, `lb`, `ksi`, …), a number only where the table shows one. All mistakes are reported
-at once, each with its line.
-
-`title = "…"`, at the top, is optional. `[impactor]` and `[target]` are required.
+dimension (`"10 mm"`, `in`, `mph`, `lb`, `ksi`, …), a number only where the table shows one. `[impactor]` and `[target]`
+are required, `title = "…"` at the top is optional. All mistakes are reported at once, each with its line.
 
 ## `[impactor]`
 
@@ -185,8 +183,7 @@ Give `velocity` or `drop_height`. `diameter` may replace `radius`.
 {keys(BendingStiffness)}
 ### Layers: `layup`
 
-Each layer is `["carbon/epoxy UD", "0.125 mm", 45]`, the angle in degrees. The material is a ply of the catalogue or a
-table:
+Each layer is `["carbon/epoxy UD", "0.125 mm", 45]`, the angle in degrees; the material is a name or a table:
 
 {keys(PlyMaterial)}
 ## Materials

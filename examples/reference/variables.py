@@ -54,15 +54,21 @@ def dataset_page() -> str:
     return f"""# Dataset variables
 
 {MADE}Datasets follow CF-1.11, in SI units; the attribute `film_model_schema` names their kind. The dimension
-`impacts` of a sweep stands for the swept quantities of a grid, or for `impact`. A history has its segments too, exact
-at any time.
+`impacts` of a sweep stands for the swept quantities of a grid, or for `impact`. Sweeps may also have:
 
-Sweeps with `derivatives` have `d_<value>_d_<number>` for every summary value; `derivative_accuracy_<number>`, the
-largest estimated relative error; and `derivative_side_<number>`: {", ".join(f"{k} `{word}`" for k, word in SIDES)}.
-Sweeps with sensors have the largest motions of each, `sensor_<name>_maximum_displacement`, `…_velocity` and
-`…_acceleration`, and with `strain` also `…_strain_x`, `…_strain_y` and `…_bending_stress`. The attributes
-`derivatives`, `sensors` and `variables` name the numbers, the sensors and, if not all, the values.
-
+{
+        table(
+            ("with", "attribute that names them", "variables"),
+            [
+                ("derivatives", "`derivatives`", "`d_<value>_d_<number>` for every summary value"),
+                ("", "", "`derivative_accuracy_<number>`: largest estimated relative error"),
+                ("", "", f"`derivative_side_<number>`: {', '.join(f'{k} `{word}`' for k, word in SIDES)}"),
+                ("sensors", "`sensors`", "`sensor_<name>_maximum_displacement`, `…_velocity`, `…_acceleration`"),
+                ("strain", "", "`sensor_<name>_maximum_strain_x`, `…_strain_y`, `…_bending_stress`"),
+                ("not all values", "`variables`", ""),
+            ],
+        )
+    }
 ## Global attributes
 
 {attributes}

@@ -20,10 +20,12 @@ ROUNDS = 60
 
 
 def air_drag(case: Case, rule: Rule) -> Effect:
-    """Drag of the air on a ball that falls from drop_height; the scene's velocity √(2 g h) has none.
+    """Drag of the air on a ball that falls from drop_height.
 
-    v² = v_t² (1 − exp(−2 g h/v_t²)), v_t² = 2 m g/(ρ C_d π R²), C_d = (24/Re) (1 + 0.15 Re^0.687), at least 0.44
-    (Schiller & Naumann 1933): a smooth sphere in air at 20 °C. The change is that of the impact energy.
+        v² = v_t² (1 − exp(−2 g h/v_t²)),  v_t² = 2 m g/(ρ C_d π R²)
+        C_d = (24/Re) (1 + 0.15 Re^0.687),  at least 0.44    smooth sphere in air at 20 °C (Schiller & Naumann 1933)
+
+    The change is that of the impact energy, against the scene's velocity √(2 g h).
     """
     ball, height = case.scene.impactor, case.scene.impactor.drop_height
     if height is None:

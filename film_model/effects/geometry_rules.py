@@ -75,11 +75,10 @@ def _by_target(case: Case, judge: Callable[[Impact], Estimate], rule: Rule) -> E
 def small_slope(case: Case, rule: Rule) -> Effect:
     """Hertz's half-spaces and paraboloids instead of balls.
 
-    An elastic ball of ν = 0.3 on a rigid plane presses 5, 10, 24 and 69 % harder at √(δ/R) = 0.05, 0.1, 0.2 and 0.4
-    (finite elements); a rigid ball on an elastic half-space by 6 % at most, and Sneddon's rigid sphere, δ = (a/2) ln((R
-    + a)/(R − a)), F = E [(a² + R²)/2 ln((R + a)/(R − a)) − a R], less by a²/(10 R²). Shares of the compliance weight
-    the bodies. The change is that of the indentation at the energy of the impact, 1.6, 3.3, 7 and 16 % for that ball;
-    force and contact time change less. From an indentation of one radius no law is valid.
+    By [finite elements](finite_elements.md) an elastic ball presses harder than Hertz's; a rigid ball on an elastic
+    half-space by 6 % at most, and Sneddon's rigid sphere less by a²/(10 R²). Shares of the compliance weight the
+    bodies. The change is that of the indentation at the energy of the impact; force and contact time change less. From
+    an indentation of one radius no law is valid.
     """
     scene = case.scene
     modulus, radius = scene.effective_modulus, scene.effective_radius
@@ -124,10 +123,10 @@ def obliqueness(case: Case, rule: Rule) -> Effect:
     """An impact at an angle or with spin: simulated with friction in [contact], otherwise its normal component.
 
     Without friction the change is the range of the ball's tangential velocity for friction coefficients from 0 to 1,
-    over its speed before: the impulse is at most µ m (1 + e) V cos α, and at most m_t v (1 + β), with the largest share
-    β of the velocity that an elastic contact gives back. How it slides is said without damping only, which lets more
-    friction through.
+    over its speed before: the impulse is at most µ m (1 + e) V cos α and m_t v (1 + β), with the largest share β of the
+    velocity that an elastic contact gives back.
     """
+    # how it slides is not said under damping, which lets more friction through
     scene, damps = case.scene, case.problem.damps and case.scene.contact.friction is not None
     return oblique(scene, rule, None if damps else case.restitution, case.tolerance)
 

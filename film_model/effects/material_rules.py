@@ -42,12 +42,13 @@ SOFT = 5e9
 
 
 def adhesion(case: Case, rule: Rule) -> Effect:
-    """Work to separate the surfaces: e² falls by (V_s/V)², V_s = √(2 · 7.0922 (Γ⁵R⁴/E²)^{1/3}/m).
+    """Work to separate the surfaces: the restitution falls.
+
+        e² falls by (V_s/V)²,  V_s = √(2 · 7.0922 (Γ⁵R⁴/E²)^{1/3}/m)
 
     Γ is work_of_adhesion in [contact], or 2 √(γ₁ γ₂) from the surface energies of the materials: an upper bound for
-    clean and smooth surfaces. jkr and dmt compute it without plastic deformation, thornton-ning with it: a dent of the
-    radius R_p takes (R_p/R)^{4/3} times the work; under other laws R_p is that of Hertz's contact with the largest
-    force over the indentation given back.
+    clean and smooth surfaces. A dent of the radius R_p takes (R_p/R)^{4/3} times the work, R_p of Hertz's contact with
+    the largest force over the indentation given back. Laws jkr, dmt and thornton-ning simulate adhesion.
     """
     scene = case.scene
     modulus, work = scene.effective_modulus, scene.work_of_adhesion
@@ -82,13 +83,12 @@ def _radius_of_parting(case: Case, modulus: float) -> float:
 def material_damping(case: Case, rule: Rule) -> Effect:
     """Material damping: loss factors tan δ take the fraction 1 − e² of the elastic energy.
 
-    e is that of a modulus t^−β, tan δ = tan(πβ/2), after Lee & Radok 1960 and Ting 1966: 1 − 1.2048 tan δ, to 1 % of e
-    up to tan δ = 0.12. Loss factors are averaged with the compliances as weights; a missing one is 0, and the effect
-    says so, or matters if the body is softer than 5 GPa.
+        e = 1 − 1.2048 tan δ    of a modulus t^−β, tan δ = tan(πβ/2) (Lee & Radok, Ting): to 1 % up to tan δ = 0.12
 
-    Law "auto" takes law tsuji with this restitution, at all velocities, if the summary changes by more than the
-    tolerance; where the impact yields, if that leaves less than elastoplastic. No law both yields and damps, or damps
-    on a static stiffness: a warning says what is left out.
+    Loss factors are averaged with the compliances as weights; a missing one is 0, or matters if the body is softer than
+    5 GPa. Law "auto" takes law tsuji with this e if the summary changes by more than the tolerance; where the impact
+    yields, if that leaves less than elastoplastic. No law both yields and damps, or damps on a static stiffness: a
+    warning says what is left out.
     """
     if case.problem.law.damped:
         return rule.absent(f"it is in the law {case.problem.law.name}")
@@ -142,17 +142,15 @@ def _own_radius(case: Case) -> float:
 
 
 def fracture(case: Case, rule: Rule) -> Effect:
-    """Crushing, or a cone crack at the edge of the contact, by crushing_strength, fracture_toughness or
-    tensile_strength.
+    """Crushing, or a cone crack at the edge of the contact.
 
-    With a toughness: a ring crack of depth c has K² = F² ψ/(π² a³), with ψ(c/a, r/a) from Huber's radial stress. The
-    maximum over c and r gives the least force of a crack, F = (3 π²/4 ψ) K_Ic² R/E; surfaces without such flaws bear
-    more. With a tensile strength: the stress at the edge, (1 − 2ν) p0/3 (Hertz), p0 = 1.5 times the mean pressure;
-    small contacts bear several times as much. What a crack absorbs is unknown.
+        F = (3 π²/4 ψ) K_Ic² R/E       fracture_toughness: least force of a ring crack, K² = F² ψ/(π² a³), with the
+                                       maximum of ψ(c/a, r/a) by Huber's radial stress over the depth c and r
+        σ = (1 − 2ν) p0/3              tensile_strength: stress at the edge (Hertz), p0 = 1.5 times the mean pressure
+        F ≤ W + √(W² + 4π R p_c E)     crushing_strength: p_c = 3 times it, weight W, impact energy E
 
-    A body with a crushing_strength crushes where the mean pressure exceeds it, and then bears p_c = 3 times as much
-    (ice 2 to 3.3 times: Gagnon & Gammon 1997, J. Glaciol. 43): a force of at most W + √(W² + 4π R p_c E), with the
-    weight W and the impact energy E. Small contacts on concrete may bear more.
+    Surfaces without such flaws bear more, small contacts several times the tensile strength, on concrete more than p_c;
+    ice 2 to 3.3 times its strength (Gagnon & Gammon 1997, J. Glaciol. 43). What a crack absorbs is unknown.
     """
     scene = case.scene
     bodies = {"impactor": scene.impactor.material, "target": scene.target.material}

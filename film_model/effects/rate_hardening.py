@@ -1,11 +1,11 @@
-"""Rate hardening: the yield strength at the strain rate of the impact.
+"""Rate hardening: the yield strength at the strain rate of the impact, of the body that yields first.
 
-S = S_y (1 + C ln ε̇), ε̇ in 1/s and at least 1 (Johnson & Cook 1983), with C = strain_rate_coefficient, or
-S = S_y (1 + (ε̇/D)^(1/q)) (Cowper & Symonds 1957), with rate_multiplier D and rate_exponent q, of the body that yields
-first. ε̇ = 0.2 (a/R)/t_m is Tabor's mean strain (1951) over the time to the maximum indentation, a² = R δ_m, both with
-S (to 1e-9), without weight. From 1/s on S replaces S_y in laws with a yield_strength; others are judged by Big-Alabo's.
-A metal without C is judged with C = 0.014 (4340 steel; twelve metals: 0.006 to 0.06), one of the catalogue from
-100 1/s on.
+    S = S_y (1 + C ln ε̇)              strain_rate_coefficient C, ε̇ in 1/s, at least 1 (Johnson & Cook 1983)
+    S = S_y (1 + (ε̇/D)^(1/q))         rate_multiplier D, rate_exponent q (Cowper & Symonds 1957)
+    ε̇ = 0.2 (a/R)/t_m,  a² = R δ_m    mean strain of Tabor (1951) over the time to the maximum indentation, with S
+
+From 1/s on S (to 1e-9, without weight) replaces S_y in laws with a yield_strength; others are judged by Big-Alabo's. A
+metal without C is judged with 0.014 (4340 steel; twelve metals: 0.006 to 0.06), one of the catalogue from 100 1/s on.
 """
 
 from __future__ import annotations

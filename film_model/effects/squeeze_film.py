@@ -42,11 +42,12 @@ def squeezed(
 def squeeze_film(case: Case, rule: Rule) -> Effect:
     """The fluid that the ball squeezes out of the contact and draws in again.
 
-    With St = m V/(6 π μ R²), μ the `fluid_viscosity` in [contact], lubrication (6 π μ R² v/h between the gaps R and h)
-    makes the restitution e (1 − (1 + 1/e) ln(R/h)/St), of the form e (1 − St_c/St) of Davis, Serayssol & Hinch 1986. h
-    is the `roughness` in [contact], or what elastic flattening leaves, 0.37 ((μ V/E)² R³)^{1/5}, if that is more. For a
-    smooth ball in a liquid St_c is about 19; measurements agree within a factor of two. Left out: cavitation, a film
-    thinner than R, inertia of the fluid, drag on the way.
+        e (1 − (1 + 1/e) ln(R/h)/St),  St = m V/(6 π μ R²)      restitution by lubrication between the gaps R and h
+        h = 0.37 ((μ V/E)² R³)^{1/5},  at least the roughness   left by elastic flattening; μ: `fluid_viscosity`
+        e (1 − St_c/St),  St_c ≈ 19                             Davis, Serayssol & Hinch 1986, smooth ball in a liquid
+
+    Measurements agree within a factor of two. Left out: cavitation, a film thinner than R, inertia of the fluid, drag
+    on the way.
     """
     scene = case.scene
     viscosity, height, modulus = scene.contact.fluid_viscosity, scene.contact.roughness, scene.effective_modulus

@@ -1,10 +1,11 @@
-"""Viscoelasticity: the modulus of a material with a prony series relaxes while the bodies are in contact.
+"""Viscoelasticity: the modulus E(t) of a material with a prony series relaxes while the bodies are in contact.
 
-On the way in F = (4/3) √R ∫ E(t − s) d(δ^{3/2}) (Lee & Radok 1960), E(t) the contact modulus of both bodies. On the way
-out the integral ends at t₁(t), when the contact was as wide: ∫ E(t − s) dδ from t₁ to t is 0, and contact ends when t₁
-is 0 (Ting 1966): exact for quasi-static contact of a sphere, constant Poisson's ratios, one approach and one parting.
-Refused: a contact that closes again before it ends, or begins while more than 1 % of its depth has still to recover
-(less changes it by at most 0.4 %). The indentation recovers: no dent. Only law hertz relaxes, without vibrations.
+    F = (4/3) √R ∫ E(t − s) d(δ^{3/2})                        on the way in (Lee & Radok 1960)
+    the same up to t₁(t),  ∫ E(t − s) dδ from t₁ to t = 0     on the way out, until t₁ = 0 (Ting 1966)
+
+It is exact for quasi-static contact of a sphere, constant Poisson's ratios, one approach and one parting, and leaves no
+dent. Refused: a contact that closes again before it ends, or begins while more than 1 % of its depth has still to
+recover. Only law hertz relaxes, without vibrations.
 """
 
 from __future__ import annotations

@@ -1,13 +1,12 @@
 """Wave losses: what a contact radiates into a half-space, as an impedance of the target that takes as much energy.
 
-Waves take β/(ρ c_T³) ∫Ḟ² dt, by the lag Ḟ β/(ρ c_T³) of the surface behind its static deflection (Lamb's problem);
-Zener's impedance Z takes ∫F² dt/Z: as much for an elastic impact of the contact time t_c if Z = 0.0878 t_c² ρ c_T³/β.
-Finite elements of a rigid ball of steel's density on steel lose 1.54 and 4.00 % at 1 and 5 m/s, this 1.52 and 3.94 %.
-In impacts that yield Z is right within 5 % up to 100 yield velocities and rises as (V/V_Y)^0.07 beyond; the energy is
-right within 12 %. Law "auto" simulates it, others only if the scene asks for it.
+    E_waves = β/(ρ c_T³) ∫Ḟ² dt        the surface lags behind its static deflection (Lamb's problem)
+    Z = 0.0878 t_c² ρ c_T³/β           takes as much, ∫F² dt/Z, in an elastic impact of the contact time t_c
 
-A warning comes beyond 15 % of the energy. Later contacts at V' lose an energy wrong by the factor (V'/V)^{2/5}. Not
-simulated where the weight exceeds a tenth of the largest elastic force: it would move the target at F/Z.
+In impacts that yield Z is right within 5 % up to 100 yield velocities and rises as (V/V_Y)^0.07 beyond; the energy is
+right within 12 %. Above 15 % of the energy a warning comes. Later contacts at V' lose an energy wrong by the factor
+(V'/V)^{2/5}. Law "auto" simulates it, others if the scene asks for it; none where the weight exceeds a tenth of the
+largest elastic force, which would move the target at F/Z.
 """
 
 from __future__ import annotations

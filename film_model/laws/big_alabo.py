@@ -17,16 +17,17 @@ PLASTIC_SLOPE = 4.6 / 1.1  # K_p δ_y/F_y, from K_p = 4.6 π R S_y and F_y = 1.1
 
 @dataclass(frozen=True)
 class BigAlabo(AbstractLaw):
-    """Equations (19a–e) and (20) of Big-Alabo, Cartmell & Harrison 2017, with d = δ/δ_y and f = F/F_y:
+    """Big-Alabo, Cartmell & Harrison 2017, equations (19) and (20).
 
-    f = d^{3/2} (d ≤ 1); 1 + (d − 1)^{3/2} (d ≤ 13.93); f_tep + 5.40 (d − 13.93) (d ≤ 82.5); f_p + (4.6/1.1)(d − 82.5),
-    and Hertz's unloading with the deformed radius R_d of (20).
+        f = F/F_y, d = δ/δ_y
+        f = d^{3/2}                         d ≤ 1
+        f = 1 + (d − 1)^{3/2}               d ≤ 13.93
+        f = f_tep + 5.40 (d − 13.93)        d ≤ 82.5
+        f = f_p + (4.6/1.1)(d − 82.5)       beyond
 
-    constants: "continuous" (default): f_tep = 1 + 12.93^{3/2}, f_p = f_tep + 5.40 · 68.57. "printed": the paper's
-    F(δ_p) = 70.0 K_l δ_y + 47.6 K δ_y^{3/2}, which jumps up by 1.9 % at δ_p, and δ_tep − δ_y = 11.93 δ_y in (20), as in
-    its Table 3.
-
-    Restitution has a minimum near 1.7 V_Y and recovers until 8.5 V_Y.
+    Unloading is Hertz's with the deformed radius R_d of (20). constants "continuous": f_tep = 1 + 12.93^{3/2},
+    f_p = f_tep + 5.40 · 68.57. "printed": F(δ_p) = 70.0 K_l δ_y + 47.6 K δ_y^{3/2}, a jump by 1.9 %, and
+    δ_tep − δ_y = 11.93 δ_y in (20), as in the paper's Table 3. Restitution falls until 1.7 V_Y and rises until 8.5 V_Y.
     """
 
     name: ClassVar[str] = "big-alabo"

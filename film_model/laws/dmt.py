@@ -13,10 +13,11 @@ from film_model.laws.law import Power, Stage
 
 @dataclass(frozen=True)
 class Dmt(AdhesiveLaw):
-    """Derjaguin, Muller & Toporov 1975, J. Colloid Interface Sci. 53:314: F = K δ^{3/2} − 2π w R, K = (4/3) E √R.
+    """Derjaguin, Muller & Toporov 1975, J. Colloid Interface Sci. 53:314. Reversible.
 
-    Contact begins and ends at δ = 0 under the tension 2π w R. Reversible. work_of_adhesion w, J/m², of both surfaces
-    together.
+        F = K δ^{3/2} − 2π w R,  K = (4/3) E √R
+
+    Contact begins and ends at δ = 0. work_of_adhesion w, J/m², of both surfaces together.
     """
 
     name: ClassVar[str] = "dmt"

@@ -15,7 +15,12 @@ def hertz_stiffness(effective_modulus: float, radius: float) -> float:
 
 @dataclass(frozen=True)
 class Hertz(AbstractLaw):
-    """F = K δ^{3/2}, K = (4/3) E √R (Hertz 1882), E effective_modulus, Pa, R effective radius, m. Reversible."""
+    """Hertz 1882. Reversible.
+
+        F = K δ^{3/2},  K = (4/3) E √R
+
+    effective_modulus E, Pa; effective radius R, m.
+    """
 
     name: ClassVar[str] = "hertz"
     family: ClassVar[Family] = "elastic"

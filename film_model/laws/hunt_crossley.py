@@ -24,11 +24,13 @@ from film_model.laws.law import (
 
 @dataclass(frozen=True)
 class HuntCrossley(AbstractLaw):
-    """Hunt & Crossley 1975, J. Appl. Mech. 42:440: F = K δ^{3/2} (1 + χ δ̇), K = (4/3) E √R. Force and indentation end
-    together, without tension.
+    """Hunt & Crossley 1975, J. Appl. Mech. 42:440; χ by the exact inversion.
 
-    hysteresis_damping χ, s/m (the factor of δ^{3/2} δ̇ in other notations is K χ); or restitution e at the scene's
-    velocity V_0 on a fixed target: χ = λ/V_0, λ (1 + e) = ln((1 + λ)/(1 − λ e)), exact for any exponent of δ.
+        F = K δ^{3/2} (1 + χ δ̇),  K = (4/3) E √R
+        χ = λ/V_0,  λ (1 + e) = ln((1 + λ)/(1 − λ e))                         exact for any exponent of δ
+
+    Force and indentation end together, without tension. hysteresis_damping χ, s/m (other notations: K χ), or
+    restitution e at the scene's velocity V_0.
     """
 
     name: ClassVar[str] = "hunt-crossley"

@@ -73,16 +73,17 @@ def _residual(w: Array) -> Array:
 
 @dataclass(frozen=True)
 class JacksonGreen(AbstractLaw):
-    """Jackson & Green 2005, J. Tribol. 127:343. With w = δ/ω_c, ω_c = (π C S_y/2E)² R, C = 1.295 e^{0.736 ν}:
+    """Jackson & Green 2005, J. Tribol. 127:343; Jackson, Green & Marghitu 2010, Nonlinear Dyn. 60:217.
 
-    f = w^{3/2} (w ≤ 1.9); e^{−w^{5/12}/4} w^{3/2} + (4 H_G/(C S_y)) [1 − e^{−w^{5/9}/25}] w beyond, where
-    H_G/S_y = 2.84 [1 − exp(−0.82 (a/R)^{−0.7})] and a/R = (π C e_y/2) √(w (w/1.9)^B), e_y = S_y/E, B = 0.14 e^{23 e_y}.
-    Unloading from w > 1 (Jackson, Green & Marghitu 2010, Nonlinear Dyn. 60:217): Hertz's curve to
-    w_f = 1.02 w_m [1 − ((w_m + 5.9)/6.9)^{−0.54}]; beyond w_m = 973, where this would recover too little,
-    1 − w_f/w_m falls as w_m^{−0.54}.
+        w = δ/ω_c,  ω_c = (π C S_y/2E)² R,  C = 1.295 e^{0.736 ν},  e_y = S_y/E,  B = 0.14 e^{23 e_y}
+        f = w^{3/2}                                                                        w ≤ 1.9
+        f = e^{−w^{5/12}/4} w^{3/2} + (4 H_G/(C S_y)) [1 − e^{−w^{5/9}/25}] w              beyond
+        H_G/S_y = 2.84 [1 − exp(−0.82 (a/R)^{−0.7})],  a/R = (π C e_y/2) √(w (w/1.9)^B)
+        w_f = 1.02 w_m [1 − ((w_m + 5.9)/6.9)^{−0.54}]                                     Hertz's curve, w_m > 1
 
-    poissons_ratio ν of the body that yields. constants: "printed", above: the force jumps at 1.9 by +0.5 % for ν = 0.3,
-    −2.5 % for 0.45. "continuous" (default, our own variant): a correction of that jump decays as exp((1.9 − w)/1.9).
+    Beyond w_m = 973, where the last would recover too little, 1 − w_f/w_m falls as w_m^{−0.54}. poissons_ratio ν of
+    the body that yields. constants "printed": the force jumps at 1.9 by +0.5 % for ν = 0.3, −2.5 % for 0.45.
+    "continuous" (our own variant): a correction of that jump decays as exp((1.9 − w)/1.9).
     """
 
     name: ClassVar[str] = "jackson-green"

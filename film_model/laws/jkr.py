@@ -55,14 +55,17 @@ def jkr_scales(effective_modulus: float, radius: float, work_of_adhesion: float)
 
 @dataclass(frozen=True)
 class Jkr(AdhesiveLaw):
-    """Johnson, Kendall & Roberts 1971, Proc. R. Soc. A 324:301: F = 4 E a³/(3R) − √(8π w E a³), δ = a²/R − √(2π w a/E).
+    """Johnson, Kendall & Roberts 1971, Proc. R. Soc. A 324:301.
 
-    The largest tension is F_c = 1.5 π w R. Contact begins at δ = 0, where the force jumps to −(8/9) F_c, and ends at δ
-    = −3^{2/3} δ_s, δ_s = a_c²/(3R), a_c³ = 9π w R²/(8E), under (5/9) F_c. Between the two 7.09 (w⁵R⁴/E²)^{1/3} is lost:
-    e² = 1 − (V_s/V)², and below V_s the ball sticks, and swings without end unless the target moves (Thornton & Ning
-    1998).
+        F = 4 E a³/(3R) − √(8π w E a³),  δ = a²/R − √(2π w a/E)
+        F_c = 1.5 π w R                                                       largest tension
+        F = −(8/9) F_c at δ = 0                                               contact begins
+        F = −(5/9) F_c at δ = −3^{2/3} δ_s                                    it ends
+        δ_s = a_c²/(3R),  a_c³ = 9π w R²/(8E)
+        e² = 1 − (V_s/V)²,  m V_s²/2 = 7.09 (w⁵R⁴/E²)^{1/3}                   Thornton & Ning 1998
 
-    work_of_adhesion w, J/m², of both surfaces together.
+    Below V_s the ball sticks, and swings without end unless the target moves. work_of_adhesion w, J/m², of both
+    surfaces together.
     """
 
     name: ClassVar[str] = "jkr"

@@ -24,17 +24,18 @@ def _exponent(w: Array) -> Array:
 
 @dataclass(frozen=True)
 class KogutEtsion(AbstractLaw):
-    """Kogut & Etsion 2002, J. Appl. Mech. 69:657. With w = δ/ω_c, ω_c = (π K_ν H/2E)² R, K_ν = 0.454 + 0.41 ν:
+    """Kogut & Etsion 2002, J. Appl. Mech. 69:657; Etsion, Kligerman & Kadin 2005, Int. J. Solids Struct. 42:3716.
 
-    f = w^{3/2} (w ≤ 1); 1.03 w^{1.425} (w ≤ 6); 1.40 w^{1.263} (w ≤ 110); (3/K_ν) w, the pressure H, beyond. Unloading
-    (Etsion, Kligerman & Kadin 2005, Int. J. Solids Struct. 42:3716): w_f = w_m (1 − w_m^{-0.28})(1 − w_m^{-0.69}),
-    q = 1.5 w_m^{-0.0331}.
+        w = δ/ω_c,  ω_c = (π K_ν H/2E)² R,  K_ν = 0.454 + 0.41 ν
+        f = w^{3/2}              w ≤ 1
+        f = 1.03 w^{1.425}       w ≤ 6
+        f = 1.40 w^{1.263}       w ≤ 110
+        f = (3/K_ν) w            beyond, the pressure H
+        w_f = w_m (1 − w_m^{−0.28})(1 − w_m^{−0.69}),  q = 1.5 w_m^{−0.0331}        unloading
 
-    hardness H, Pa, about 2.8 S_y; poissons_ratio ν of the body that yields.
-
-    constants: "printed", above: the force jumps by +3.0 % at 1, +1.7 % at 6 and (ν = 0.3) +7.9 % at 110, and just above
-    yield more energy returns than was stored. "continuous" (default, our own variant): 1 and 6^{0.162} for 1.03 and
-    1.40, and the last stage begins with the force at which the one before ends.
+    hardness H, Pa; poissons_ratio ν of the body that yields. constants "printed": the force jumps by +3.0 % at 1,
+    +1.7 % at 6 and (ν = 0.3) +7.9 % at 110, and just above yield more energy returns than was stored. "continuous"
+    (our own variant): 1 and 6^{0.162} for 1.03 and 1.40, and a last stage without a jump.
     """
 
     name: ClassVar[str] = "kogut-etsion"

@@ -12,13 +12,13 @@ from film_model.laws.law import AbstractLaw, ExampleBall, Family, Parameter, Pow
 
 @dataclass(frozen=True)
 class KuwabaraKono(AbstractLaw):
-    """Kuwabara & Kono 1987, Jpn. J. Appl. Phys. 26:1230; Brilliantov et al. 1996, Phys. Rev. E 53:5382:
+    """Kuwabara & Kono 1987, Jpn. J. Appl. Phys. 26:1230; Brilliantov et al. 1996, Phys. Rev. E 53:5382.
 
-    F = K δ^{3/2} + (3/2) A K √δ δ̇ = (1 + A d/dt) K δ^{3/2}, K = (4/3) E √R, until F falls to zero.
+        F = K δ^{3/2} + (3/2) A K √δ δ̇ = (1 + A d/dt) K δ^{3/2}  until F = 0,  K = (4/3) E √R
+        e = 1 − 1.15345 s² + …,  s² = (3/2) A (K/m)^{2/5} V^{1/5}             on a fixed target
+        e ≈ (1 + 0.501086 s)/(1 + 0.501086 s + 1.15345 s² + 0.577978 s³ + 0.532178 s⁴)
 
-    dissipation_time A, s, with A δ̇ ≪ δ. On a fixed target e depends on b = (3/2) A (K/m)^{2/5} V^{1/5} alone:
-    e = 1 − 1.15345 b + …, and nearly (1 + 0.501086 s)/(1 + 0.501086 s + 1.15345 s² + 0.577978 s³ + 0.532178 s⁴), s = √b
-    (Müller & Pöschel 2011, Phys. Rev. E 84:021302).
+    The last is Müller & Pöschel's (2011, Phys. Rev. E 84:021302). dissipation_time A, s, with A δ̇ ≪ δ.
     """
 
     name: ClassVar[str] = "kuwabara-kono"

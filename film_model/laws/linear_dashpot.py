@@ -21,11 +21,13 @@ from film_model.laws.law import (
 
 @dataclass(frozen=True)
 class LinearDashpot(AbstractLaw):
-    """F = k δ + c δ̇ until F falls to zero: no tension. ζ = c/(2√(m k)).
+    """Cundall & Strack 1979, Géotechnique 29:47; e of a contact that ends at F = 0: derived here.
 
-    stiffness k, N/m; damping c, N s/m, or restitution e on a fixed target, from which c = 2 ζ √(m k) with
-    e = exp(−ζ/√(1 − ζ²) atan2(2ζ√(1 − ζ²), 2ζ² − 1)), continued for ζ ≥ 1; the usual e = exp(−πζ/√(1 − ζ²)) holds with
-    tension until δ = 0. The force jumps to c V at first touch.
+        F = k δ + c δ̇  until F = 0,  ζ = c/(2√(m k))
+        e = exp(−ζ/√(1 − ζ²) atan2(2ζ√(1 − ζ²), 2ζ² − 1)),  continued for ζ ≥ 1
+
+    stiffness k, N/m; damping c, N s/m, or restitution e. The usual e = exp(−πζ/√(1 − ζ²)) holds with tension until
+    δ = 0. The force jumps to c V at first touch.
     """
 
     name: ClassVar[str] = "linear-dashpot"

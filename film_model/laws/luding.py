@@ -11,12 +11,15 @@ from film_model.laws.law import AbstractLaw, ExampleBall, Family, Parameter, Pow
 
 @dataclass(frozen=True)
 class Luding(AbstractLaw):
-    """Luding 2008, Granul. Matter 10:235, without adhesion. Loading F = k_1 δ up to the limit
-    δ* = (k_p/(k_p − k_1)) φ_f 2R; unloading and reloading F = k_2 (δ − δ_f), δ_f = (1 − k_1/k_2) δ_m with
-    k_2 = k_1 + (k_p − k_1) δ_m/δ*. Beyond δ* loading and unloading follow F = k_p (δ − φ_f 2R).
+    """Luding 2008, Granul. Matter 10:235. Without adhesion.
 
-    loading_stiffness k_1 and plastic_stiffness k_p > k_1, N/m; plasticity_depth φ_f; R: effective radius, m. On a
-    half-space e = √(k_1/k_2(δ_m)) below the limit.
+        F = k_1 δ                                                             loading, up to δ*
+        F = k_2 (δ − δ_f),  δ_f = (1 − k_1/k_2) δ_m                           unloading and reloading
+        k_2 = k_1 + (k_p − k_1) δ_m/δ*,  δ* = (k_p/(k_p − k_1)) φ_f 2R
+        F = k_p (δ − φ_f 2R)                                                  beyond δ*, both ways
+        e = √(k_1/k_2(δ_m))                                                   on a half-space, up to δ*
+
+    loading_stiffness k_1 and plastic_stiffness k_p > k_1, N/m; plasticity_depth φ_f; effective radius R, m.
     """
 
     name: ClassVar[str] = "luding"

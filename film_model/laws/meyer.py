@@ -11,10 +11,12 @@ from film_model.laws.law import AbstractLaw, ExampleBall, Family, Parameter, Pow
 
 @dataclass(frozen=True)
 class Meyer(AbstractLaw):
-    """F = F_0 + K_c (δ − δ_0)^q for δ ≥ δ_0, else 0: (1) and (9) of Big-Alabo, Cartmell & Harrison 2017. Reversible.
+    """Meyer 1908; Big-Alabo, Cartmell & Harrison 2017, equations (1) and (9).
 
-    stiffness K_c, N/m^q; exponent q > 0: 1 for springs and flat punches, 1.5 spheres, 2 cones; initial_force F_0 ≥ 0,
-    N; initial_indentation δ_0 ≥ 0, m, closes without force.
+        F = F_0 + K_c (δ − δ_0)^q  for δ ≥ δ_0, else 0
+
+    stiffness K_c, N/m^q; initial_force F_0 ≥ 0, N; initial_indentation δ_0 ≥ 0, m; exponent q > 0: springs and flat
+    punches 1, spheres 1.5, cones 2.
     """
 
     name: ClassVar[str] = "meyer"

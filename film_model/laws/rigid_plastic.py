@@ -13,12 +13,13 @@ from film_model.laws.unloading import brake_unloading
 
 @dataclass(frozen=True)
 class RigidPlastic(AbstractLaw):
-    """Johnson 1985, Contact Mechanics, section 11.5. Pressure p_d on a contact of a² = 2 R δ:
+    """Johnson 1985, Contact Mechanics, section 11.5.
 
-    F = 2 π R p_d δ; recovery with Hertz's curve of that radius, δ_m − δ_f = 3 F_m/(4 E a), hence
-    e = 1.884 √(p_d/E) (W/(p_d R³))^{−1/8}, W = ½ m V²; e ∝ V^{−1/4}.
+        F = 2 π R p_d δ,  a² = 2 R δ
+        δ_m − δ_f = 3 F_m/(4 E a)                                             recovery by Hertz's curve of that a
+        e = 1.884 √(p_d/E) (W/(p_d R³))^{−1/8} ∝ V^{−1/4},  W = ½ m V²
 
-    yield_pressure p_d, Pa, about 3 S_y. Below δ_s = (9π²/8) (p_d/E)² R the law leaves no dent, and e = 0.894.
+    yield_pressure p_d, Pa. Below δ_s = (9π²/8) (p_d/E)² R the law leaves no dent, and e = 0.894.
     """
 
     name: ClassVar[str] = "rigid-plastic"

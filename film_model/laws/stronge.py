@@ -29,12 +29,15 @@ def _work(d: Array) -> Array:
 
 @dataclass(frozen=True)
 class Stronge(AbstractLaw):
-    """Equation (2) of Big-Alabo, Cartmell & Harrison 2017, after Stronge 2000. With x = 2δ/δ_y − 1 = (a/a_Y)²:
+    """Stronge 2000; Big-Alabo, Cartmell & Harrison 2017, equation (2).
 
-    f = x (1 + ln x/3.3) between yield and x_p = exp(3.3 (2.8/1.1 − 1)) = 164 (mean pressure 2.8 S_y), then
-    f = (2.8/1.1) x; Hertz's unloading with R_d = x R. Work is the exact integral, not the rounded (23).
+        x = 2δ/δ_y − 1 = (a/a_Y)²
+        f = x (1 + ln x/3.3)     from yield to x_p = exp(3.3 (2.8/1.1 − 1)) = 164, mean pressure 2.8 S_y
+        f = (2.8/1.1) x          beyond
+        R_d = x R                of Hertz's unloading
 
-    The force exceeds Hertz's until 15 δ_y: between 1 and 2.54 V_Y more energy returns than was stored; a run warns.
+    Work is the exact integral, not the rounded (23). The force exceeds Hertz's until 15 δ_y; where more energy
+    returns than was stored, a run warns.
     """
 
     name: ClassVar[str] = "stronge"

@@ -11,15 +11,17 @@ from film_model.laws.law import AbstractLaw, ExampleBall, Family, Parameter, Pow
 
 @dataclass(frozen=True)
 class TanSun(AbstractLaw):
-    """Yang & Sun 1982 (ASTM STP 787) and Tan & Sun 1985 (J. Appl. Mech. 52:6), with constants of your static test.
+    """Yang & Sun 1982, ASTM STP 787; Tan & Sun 1985, J. Appl. Mech. 52:6; your constants.
 
-    Loading F = k δ^q; unloading F = F_m ((δ − δ_f)/(δ_m − δ_f))^{q_u}; reloading the same with q_r, up to the turning
-    point. δ_f = 0 for δ_m ≤ δ_cr; beyond, δ_f = δ_m [1 − (δ_cr/δ_m)^{2/5}], or β (δ_m − δ_cr) if β is given.
+        F = k δ^q                                                             loading
+        F = F_m ((δ − δ_f)/(δ_m − δ_f))^{q_u}                                 unloading; reloading with q_r up to δ_m
+        δ_f = 0                                                               δ_m ≤ δ_cr
+        δ_f = δ_m [1 − (δ_cr/δ_m)^{2/5}],  or β (δ_m − δ_cr) if β is given    beyond
+        e² = (q + 1)/(q_u + 1) (δ_m − δ_f)/δ_m
 
-    stiffness k, N/m^q; critical_indentation δ_cr, m (graphite/epoxy: about 0.08 mm); exponents q, unloading q_u ≥ q and
-    reloading q_r ≤ q_u; permanent_fraction 0 < β ≤ 1. Every contact loses energy: e² = (q + 1)/(q_u + 1) (δ_m −
-    δ_f)/δ_m. A second unloading follows the unloading curve, scaled, and retraces it (our own choice, which creates no
-    energy).
+    stiffness k, N/m^q; critical_indentation δ_cr, m (graphite/epoxy: about 0.08 mm); exponents q, q_u ≥ q and
+    q_r ≤ q_u; permanent_fraction 0 < β ≤ 1. Every contact loses energy. A second unloading retraces the unloading
+    curve, scaled (our own choice, which creates no energy).
     """
 
     name: ClassVar[str] = "tan-sun"

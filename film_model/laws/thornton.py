@@ -13,13 +13,13 @@ from film_model.laws.yielding import limit_point
 
 @dataclass(frozen=True)
 class Thornton(AbstractLaw):
-    """Thornton 1997, J. Appl. Mech. 64:383. Beyond δ_y = (π p_y/2E)² R the pressure is cut off at p_y:
+    """Thornton 1997, J. Appl. Mech. 64:383.
 
-    F = F_y + π R p_y (δ − δ_y), that is f = 1 + (3/2)(d − 1) with d = δ/δ_y. Unloading is Hertz's with
-    R_p = R F_Hertz(δ_m)/F_m, from the same contact radius a² = R δ_m.
+        F = F_y + π R p_y (δ − δ_y),  δ_y = (π p_y/2E)² R        f = 1 + (3/2)(d − 1),  d = δ/δ_y
+        R_p = R F_Hertz(δ_m)/F_m                                 of Hertz's unloading, from a² = R δ_m
+        e = √(6√3/5) (1 − v²/6)^{1/2} [v/(v + 2√((6 − v²)/5))]^{1/4},  v = V_Y/V;  1.18499 v^{1/4} for V ≫ V_Y
 
     yield_pressure p_y, Pa: 1.6 S_y at first yield, 2.5 to 3 S_y to match deep indentations.
-    With v = V_Y/V, e = √(6√3/5) (1 − v²/6)^{1/2} [v/(v + 2√((6 − v²)/5))]^{1/4}; for V ≫ V_Y, e = 1.18499 v^{1/4}.
     """
 
     name: ClassVar[str] = "thornton"

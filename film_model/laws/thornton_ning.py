@@ -68,16 +68,17 @@ class _Plastic:
 
 @dataclass(frozen=True)
 class ThorntonNing(AdhesiveLaw):
-    """Thornton & Ning 1998, Powder Technol. 99:154: JKR's contact with the pressure cut off at p_y.
+    """Thornton & Ning 1998, Powder Technol. 99:154. JKR's contact with the pressure cut off at p_y.
 
-    Elastic up to p_y = 2 E a_y/(π R) − √(2 w E/(π a_y)), then F = F_y + π R p_y (δ − δ_y), a² = a_y² + R (δ − δ_y).
-    Unloading from a, F is JKR's with R_p = 4 E a³/(3 (F + √(8π w E a³))) ≥ R, moved by the dent
-    δ_p = δ_m − a²/R_p + √(2π w a/E): tension up to 1.5 π w R_p, and contact ends at δ_p − 2.0801 δ_s (R_p/R)^{1/3},
-    where δ_s is JKR's. Slow balls stick.
+        p_y = 2 E a_y/(π R) − √(2 w E/(π a_y))                                end of the elastic contact
+        F = F_y + π R p_y (δ − δ_y),  a² = a_y² + R (δ − δ_y)                 beyond
+        R_p = 4 E a³/(3 (F + √(8π w E a³))) ≥ R                               unloading by JKR's F, moved by the dent:
+        δ_p = δ_m − a²/R_p + √(2π w a/E)
+        tension ≤ 1.5 π w R_p;  end at δ_p − 2.0801 δ_s (R_p/R)^{1/3}         δ_s: JKR's
 
-    yield_pressure p_y, Pa, as thornton's; work_of_adhesion w, J/m², of both surfaces, with p_y π R/(2 E a_c) above
-    1.06, so that the sphere does not yield by adhesion alone. Under long-ranged attraction (dmt) adhesion takes no
-    energy: thornton.
+    Slow balls stick. yield_pressure p_y, Pa, as thornton's; work_of_adhesion w, J/m², of both surfaces, with
+    p_y π R/(2 E a_c) above 1.06: the sphere must not yield by adhesion alone. Under long-ranged attraction (dmt)
+    adhesion takes no energy: thornton.
     """
 
     name: ClassVar[str] = "thornton-ning"

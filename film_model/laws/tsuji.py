@@ -22,11 +22,12 @@ from film_model.laws.law import (
 
 @dataclass(frozen=True)
 class Tsuji(AbstractLaw):
-    """Tsuji, Tanaka & Ishida 1992, Powder Technol. 71:239: F = K δ^{3/2} + α √(m K) δ^{1/4} δ̇ until F falls to zero.
+    """Tsuji, Tanaka & Ishida 1992, Powder Technol. 71:239; α for an end at F = 0: derived here.
 
-    restitution: e on a fixed target, at any velocity. With w = δ^{5/4} the law is a linear dashpot of damping ratio
-    ζ = α/√5 in the (w, δ̇) plane: α = √5 ζ(e), ζ(e) that of linear-dashpot. The usual α = √5 β,
-    β = −ln e/√(ln² e + π²), holds with tension until δ = 0; without it gives 0.550 for e = 0.5.
+        F = K δ^{3/2} + α √(m K) δ^{1/4} δ̇  until F = 0,  α = √5 ζ(e),  ζ(e) that of linear-dashpot
+
+    It is a linear dashpot in w = δ^{5/4} and δ̇. The usual α = √5 β, β = −ln e/√(π² + ln² e), holds with tension until
+    δ = 0; without it gives 0.550 for e = 0.5. restitution: e at any velocity.
     """
 
     name: ClassVar[str] = "tsuji"

@@ -11,11 +11,13 @@ from film_model.laws.law import AbstractLaw, ExampleBall, Family, Parameter, Pow
 
 @dataclass(frozen=True)
 class WaltonBraun(AbstractLaw):
-    """Walton & Braun 1986, J. Rheol. 30:949. Loading F = k_1 δ; unloading and reloading F = k_2 (δ − δ_f) with
-    δ_f = (1 − k_1/k_2) δ_m.
+    """Walton & Braun 1986, J. Rheol. 30:949.
 
-    loading_stiffness k_1 and unloading_stiffness k_2 ≥ k_1, N/m. On a half-space e = √(k_1/k_2) at any velocity, and
-    contact lasts (π/2) √(m/k_1) (1 + e).
+        F = k_1 δ                                                             loading
+        F = k_2 (δ − δ_f),  δ_f = (1 − k_1/k_2) δ_m                           unloading and reloading
+        e = √(k_1/k_2),  t_c = (π/2) √(m/k_1) (1 + e)                         on a half-space, at any velocity
+
+    loading_stiffness k_1 and unloading_stiffness k_2 ≥ k_1, N/m.
     """
 
     name: ClassVar[str] = "walton-braun"

@@ -11,12 +11,13 @@ from film_model.laws.yielding import yield_point
 
 @dataclass(frozen=True)
 class YigitChristoforou(AbstractLaw):
-    """Yigit & Christoforou 1994, Compos. Eng. 4:1143, with K_h = (4/3) E √R:
+    """Yigit & Christoforou 1994, Compos. Eng. 4:1143.
 
-    F = K_h δ^{3/2}; beyond δ_y, F = F_y + K_y (δ − δ_y) with K_y = (3/2) K_h √δ_y;
-    unloading F = K_h (δ^{3/2} − δ_m^{3/2}) + F_m, which leaves δ_f^{3/2} = δ_m^{3/2} − F_m/K_h.
+        F = K δ^{3/2},  K = (4/3) E √R
+        F = F_y + K_y (δ − δ_y),  K_y = (3/2) K √δ_y,  δ_y = 0.6806 π² R S_y²/E²     beyond δ_y, mean pressure 1.1 S_y
+        F = K (δ^{3/2} − δ_m^{3/2}) + F_m,  δ_f^{3/2} = δ_m^{3/2} − F_m/K           unloading
 
-    δ_y = 0.6806 π² R S_y²/E² (mean pressure 1.1 S_y); for laminates take twice the shear strength as S_y.
+    For laminates take twice the shear strength as S_y.
     """
 
     name: ClassVar[str] = "yigit-christoforou"

@@ -182,10 +182,9 @@ class Beam(AbstractTarget):
         return Estimate(HELD)
 
     def thickness_effect(self, impact: Impact) -> Estimate:
-        """The energy ½ c F² of shear deformation over the impact energy, if the theory neglects it.
-
-        c is Timoshenko's static compliance less Euler and Bernoulli's; of a wide beam with that around the load of a
-        plate, ℓ = w/(2π). If contact comes back, an effect below the tolerance is not judged.
+        """The energy ½ c F² of shear over the impact energy, if the theory neglects it. c is Timoshenko's static
+        compliance less Euler and Bernoulli's, of a wide beam with that around the load of a plate, ℓ = w/(2π). If
+        contact comes back, an effect below the tolerance is not judged.
         """
         if self.sheared:
             return no_effect("Timoshenko's theory includes shear and rotary inertia")
@@ -217,9 +216,9 @@ class Beam(AbstractTarget):
         return Estimate(f"the bending stress of a {self.kind} is not estimated")
 
     def cross_bending(self, impact: Impact) -> Estimate:
-        """The deflection by bending across the width, if the theory neglects it: of the plate with two free edges less
-        the slender beam, in the middle of a half-sine with the contact time on a fixed target, over indentation plus
-        deflection."""
+        """Deflection of the plate with two free edges less that of the slender beam, if the theory neglects it, over
+        indentation plus deflection in the middle of a half-sine of the contact time on a fixed target.
+        """
         if self.wide:
             return no_effect("the beam is taken for a plate, which bends across its width")
         (duration, contact), place, plain = impact.held, (self._struck, self.width / 2), self._line_without_shear

@@ -53,8 +53,7 @@ class HalfSpace(AbstractTarget):
         return math.inf if self.material is None else radiation_impedance(self.material, duration)
 
     def thickness_effect(self, impact: Impact) -> Estimate:
-        """The thickness at which a plate would take up the tolerated fraction of the energy, ∫F² dt/Z with the
-        half-space's F. An upper bound: a contact that ends before a wave has returned does not feel the thickness."""
+        """Thickness at which a plate takes the tolerated fraction of the energy, ∫F² dt/Z: an upper bound."""
         if self.material is None:
             return missing("a thickness and target.material")
         m = self.material
@@ -65,8 +64,7 @@ class HalfSpace(AbstractTarget):
         return Estimate(reason, least, indicator="sufficient thickness, m")
 
     def wave_losses(self, impact: Impact) -> Estimate:
-        """Energy of the waves radiated into the half-space (`radiated_energy`), over the impact energy: as V^{3/5}
-        without weight. Where a weight leaves nothing, the ball stays."""
+        """Energy of the waves over the impact energy, as V^{3/5} without weight."""
         if self.material is None:
             return missing("target.material")
         share = radiated_energy(self.material, impact) / impact.energy

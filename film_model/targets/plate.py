@@ -312,11 +312,11 @@ class Plate(AbstractTarget):
         return Estimate(reason, value, threshold, size)
 
     def thickness_effect(self, impact: Impact) -> Estimate:
-        """Shear increases the mobility 1/Z, and the energy of bending waves, by k² h²/5, k² = ω √(ρ_A/D).
+        """Shear adds k² h²/5 to the mobility 1/Z and to the energy of bending waves (lowest wave of a layer pressed on
+        its face), k² = ω √(ρ_A/D), ω = 0.77 π/t_c, the mean over a half-sine's spectrum.
 
-        This is the lowest wave of an elastic layer pressed on its face, to first order, ω the mean over the spectrum of
-        a half-sine, 0.77 π/t_c. If the plate is bent as a whole: ½ c F² over the impact energy, c F the deflection
-        around the load that plate theory and contact law neglect (`shear_around` in targets/plate_waves.py).
+        Of a plate bent as a whole: ½ c F² over the impact energy, c F the deflection around the load that plate theory
+        and contact law neglect (`shear_around` in targets/plate_waves.py).
         """
         thickness, material = self.thickness, self.material
         if thickness is None or material is None:

@@ -238,10 +238,9 @@ class Structure(AbstractTarget):
         return Estimate(f"the bending stress of a {self.kind} is not estimated")
 
     def omitted_modes(self, impact: Impact) -> Estimate:
-        """If the static compliance is not given, they would add about Σ φ²/(M Ω²) of the given ones, as on a plate. If
-        it is given, the part c of it that the given ones lack has an inertia, neglected with an error of c
-        (π/T)²/Ω², T the contact time on a fixed target. Both over indentation plus deflection in the middle of a
-        half-sine of this duration.
+        """Without a static compliance they add about Σ φ²/(M Ω²) of the given ones, as on a plate. The part c of a
+        given compliance that the modes lack has an inertia: an error of c (π/T)²/Ω², T the contact time on a fixed
+        target. Both over indentation plus deflection in the middle of a half-sine of this duration.
         """
         duration, contact = impact.held
         modes, rate = self._all, math.pi / duration

@@ -8,10 +8,10 @@ import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache, cached_property
-from typing import Any, ClassVar, TypeAlias, cast
+from typing import Any, TypeAlias, cast
 
 from film_model.base.errors import Mistake, raise_all, shown
-from film_model.base.fields import Field, InUnits, build, fill, measure, mistake, part, words, written
+from film_model.base.fields import Field, InUnits, build, entry, fill, measure, mistake, part, words, written
 from film_model.base.flow_stress import (
     MOST_HARDENING,
     MOST_OVER_YIELD,
@@ -99,47 +99,25 @@ class Material(InUnits):
     7900.0
     """
 
-    FIELDS: ClassVar[Mapping[str, Field]] = {
-        "name": words("a name"),
-        "youngs_modulus": measure("pressure", 1, 1e14, required=True),
-        "poissons_ratio": measure("dimensionless", -1, 0.5, required=True, open_ends=True),
-        "density": measure("density", 1e-3, 1e6, required=True),
-        "yield_strength": measure("pressure", 1, 1e13),
-        "hardness": HARDNESS,
-        "source": words("a source"),
-        "loss_factor": measure("dimensionless", 0, 10),
-        "strain_rate_coefficient": measure("dimensionless", 0, 1),
-        "strain_hardening_exponent": measure("dimensionless", 0, MOST_HARDENING),
-        "strength_coefficient": measure("pressure", 1, 1e13),
-        "strength_exponent": measure("dimensionless", 0, 1, open_ends=True),
-        "rate_multiplier": measure("rate", 1e-9, 1e15),
-        "rate_exponent": measure("dimensionless", 1, 100),
-        "tensile_strength": measure("pressure", 1, 1e12),
-        "surface_energy": measure("surface_energy", 0, 1e3),
-        "fracture_toughness": measure("fracture_toughness", 1, 1e12),
-        "crushing_strength": measure("pressure", 1, 1e12),
-        "prony": PRONY,
-    }
-
-    name: str
-    youngs_modulus: float
-    poissons_ratio: float
-    density: float
-    yield_strength: float | None
-    hardness: float | None
-    source: str
-    loss_factor: float | None
-    strain_rate_coefficient: float | None
-    strain_hardening_exponent: float | None
-    strength_coefficient: float | None
-    strength_exponent: float | None
-    rate_multiplier: float | None
-    rate_exponent: float | None
-    tensile_strength: float | None
-    surface_energy: float | None
-    fracture_toughness: float | None
-    crushing_strength: float | None
-    prony: tuple[tuple[float, float], ...] | None
+    name: str = entry(words("a name"))
+    youngs_modulus: float = entry(measure("pressure", 1, 1e14, required=True))
+    poissons_ratio: float = entry(measure("dimensionless", -1, 0.5, required=True, open_ends=True))
+    density: float = entry(measure("density", 1e-3, 1e6, required=True))
+    yield_strength: float | None = entry(measure("pressure", 1, 1e13))
+    hardness: float | None = entry(HARDNESS)
+    source: str = entry(words("a source"))
+    loss_factor: float | None = entry(measure("dimensionless", 0, 10))
+    strain_rate_coefficient: float | None = entry(measure("dimensionless", 0, 1))
+    strain_hardening_exponent: float | None = entry(measure("dimensionless", 0, MOST_HARDENING))
+    strength_coefficient: float | None = entry(measure("pressure", 1, 1e13))
+    strength_exponent: float | None = entry(measure("dimensionless", 0, 1, open_ends=True))
+    rate_multiplier: float | None = entry(measure("rate", 1e-9, 1e15))
+    rate_exponent: float | None = entry(measure("dimensionless", 1, 100))
+    tensile_strength: float | None = entry(measure("pressure", 1, 1e12))
+    surface_energy: float | None = entry(measure("surface_energy", 0, 1e3))
+    fracture_toughness: float | None = entry(measure("fracture_toughness", 1, 1e12))
+    crushing_strength: float | None = entry(measure("pressure", 1, 1e12))
+    prony: tuple[tuple[float, float], ...] | None = entry(PRONY)
 
     def __init__(
         self,

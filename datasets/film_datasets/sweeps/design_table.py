@@ -45,9 +45,7 @@ def over_of_table(table: pd.DataFrame | xr.Dataset, name: str = "table") -> dict
     if isinstance(table, xr.Dataset):
         if len(table.dims) != 1:
             raise SceneError([Mistake(name, None, "", f"a Dataset with one dimension is needed, not {table.sizes}")])
-        along = {
-            key: v for key, v in table.coords.items() if "." in str(key) and v.ndim
-        }  # not the numbers of rows
+        along = {key: v for key, v in table.coords.items() if "." in str(key) and v.ndim}  # not the numbers of rows
         arrays = {**table.data_vars, **along}
         table = pd.DataFrame({f"{key} [{v.attrs.get('units', '')}]": v.values for key, v in arrays.items()})
     mistakes: list[Mistake] = []

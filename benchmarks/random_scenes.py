@@ -111,13 +111,13 @@ def findings(seed: int) -> Iterator[dict[str, Any]]:
     except fm.SceneError:
         return
     try:
-        for found, text in _compared(scene):
+        for found, text in compared(scene):
             yield {"seed": seed, "found": found, "text": text}
     except Exception:  # what the script looks for
         yield {"seed": seed, "found": "exception", "text": traceback.format_exc(limit=-2)}
 
 
-def _compared(scene: fm.Scene) -> Iterator[tuple[str, str]]:
+def compared(scene: fm.Scene) -> Iterator[tuple[str, str]]:
     """What is wrong with a scene, as a kind and a text. One impact serves several checks, and so does the sweep, over
     the velocities of `tests.FACTORS` or, if the target vibrates, over that of the scene alone."""
     tests, swept = _tests(), list[tuple[Any, float]]()

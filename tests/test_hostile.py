@@ -15,7 +15,6 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from test_one_and_many import disagreements
 
 import film_model as fm
 from film_datasets.sweeps import read_sweep
@@ -29,6 +28,7 @@ TEXTS = sorted((CORPUS / "texts").iterdir())
 SLOW = [path for path in SCENES if path.stem.startswith("creeping")]
 EXTREMES = (CORPUS / "extreme_scenes.txt").read_text("utf-8").strip().split("\n\n")
 ONCE_SLOW = "# took"
+SCRIPT = str(CORPUS.parents[1] / "benchmarks" / "random_scenes.py")
 MOST_SAID = 600
 """Characters of a refusal."""
 
@@ -45,8 +45,8 @@ READERS: dict[str, Callable[[Path], Any]] = {
     [pytest.param(path, id=path.stem, marks=pytest.mark.slow if path in SLOW else ()) for path in SCENES],
 )
 def test_one_and_many_agree_on_scenes_that_once_were_wrong(path: Path) -> None:
-    endless = "friction needs a contact that ends"  # which batches and sweeps give without results along the surface
-    assert [text for text in disagreements(fm.Scene.from_toml(path)) if endless not in text] == []
+    compared = runpy.run_path(SCRIPT)["compared"](fm.Scene.from_toml(path))
+    assert [text for kind, text in compared if kind == "disagreement"] == []
 
 
 def test_effects_are_judged_or_said_to_be_unknown() -> None:
@@ -99,7 +99,7 @@ def test_the_work_of_scenes_that_took_long_is_bounded(text: str, monkeypatch: py
 
 
 def test_the_script_of_random_scenes_goes_on_where_it_ended(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    script, file = runpy.run_path(str(CORPUS.parents[1] / "benchmarks" / "random_scenes.py")), tmp_path / "found.jsonl"
+    script, file = runpy.run_path(SCRIPT), tmp_path / "found.jsonl"
     for count in (1, 2):
         script["main"]([str(file), "--count", str(count), "--seed", "9"])
         assert f"{count} scenes" in capsys.readouterr().out

@@ -262,8 +262,9 @@ def row_of(ds, row):
     """Law, status and summary of an impact of a sweep."""
     flags = {name: ds[name].attrs["flag_meanings"].split() for name in ("status", "law")}
     codes = {name: np.atleast_1d(ds[name].attrs["flag_values"]).tolist() for name in flags}
-    words = [flags[name][codes[name].index(int(ds[name][row]))] for name in ("law", "status")]
-    return (*words, {name: float(ds[name][row]) for name in SUMMARY})
+    values = {name: float(ds.variables[name].values[row]) for name in (*flags, *SUMMARY)}  # a DataArray takes 1 ms
+    words = [flags[name][codes[name].index(int(values.pop(name)))] for name in ("law", "status")]
+    return (*words, values)
 
 
 def disagreements(scene, sweep=fd.sweep):

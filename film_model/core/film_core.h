@@ -180,7 +180,7 @@ enum {
     FILM_REMEMBERS = -10     /* film_relax.h: a contact begins before the body has forgotten the one before */
 };
 
-enum { FILM_MAX_STEP_LINES = 20000000, FILM_MAX_EVENTS = 200000 /* of one contact in film_impact */ };
+enum { FILM_MAX_STEP_LINES = 10000000, FILM_MAX_EVENTS = 200000 /* of one contact in film_impact */ };
 
 /* One straight piece of the force, on which the motion is closed-form. docs/method.md, section 3. */
 typedef struct {

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-import math
-from typing import Literal, TypeAlias
+from typing import Any, Literal, TypeAlias
 
+import numpy as np
+
+from film_model.base.arrays import Number
 from film_model.base.errors import STATUSES, CoreError
 from film_model.core import native, solving
 from film_model.problem.problem import Problem, refuse_relaxation
@@ -64,16 +66,16 @@ def mesh_for(
     return counts, mesh_of(solver, counts)
 
 
-def first_segments(damping: float, least: int = FIRST_SEGMENTS) -> int:
+def first_segments(damping: Number, least: int = FIRST_SEGMENTS) -> Any:
     """Segments of the first trial: more for strong damping, which stops the impactor early in the stage."""
-    return least * min(2 ** int(math.log2(1.0 + damping)), 256)
+    return least * 2 ** np.minimum(np.log2(1.0 + damping), 8.0).astype(int)
 
 
 def refine(problem: Problem, solver: Solver, warnings: list[str]) -> tuple[tuple[int, int], float]:
     """Segment counts of one impact that meet the accuracy, doubled until meshes agree, and the error estimate."""
     assert solver.accuracy is not None
     refuse_relaxation(problem, "a march on lines")
-    curve, first = problem.curve, problem.curve.segments(first_segments(problem.damping) // 2)
+    curve, first = problem.curve, problem.curve.segments(int(first_segments(problem.damping)) // 2)
     given = curve.native, problem.start, line_kind(solver), first, solver.accuracy, curve.clearance
     status, found = solving.solve(*given)
     raise_failure(status, problem)

@@ -12,10 +12,11 @@ from film_model.base.arrays import Array, Index, Mask, all_of, any_of
 from film_model.core import native
 from film_model.core.columns import Columns
 from film_model.core.solving import MOST_LINES, MOST_SEGMENTS, bound_coarse, bound_fine
+from film_model.laws.law import Power
 from film_model.problem.problem import Problem
 from film_model.problem.summary import difference, rounding
 from film_model.scene import Solver
-from film_model.solve.accuracy import line_kind, mesh_of
+from film_model.solve.accuracy import first_segments, line_kind, mesh_of
 from film_model.solve.relaxed import relax_many
 
 FIRST_SEGMENTS = 8
@@ -47,7 +48,15 @@ each line, for all impacts of a block; so few need as many segments that lanes b
 tests/hostile/scenes/creeping_500131.toml."""
 
 LINE_ERROR = 0.2
-"""Bound on the relative error of times on a fixed target with n lines a leg, times n^4 (docs/method.md, section 4)."""
+"""Bound on the relative error of times on a fixed target with n lines a leg, times n^4, without damping
+(docs/method.md, section 4)."""
+
+DOUBTED = 0.05
+"""Estimates above this fraction of the accuracy are from three meshes where lines decide. Two agree by chance in about
+one of 50,000 impacts, and in few of these to a small fraction of the error. tests/hostile/scenes/chance_6961.toml."""
+
+TABLED = 1.5
+"""The exponent of forces and branches that the core has tables and polynomials for (docs/method.md, section 10)."""
 
 STALLED, SMALL = 0.7, 1e-9
 """Refinement ends if an estimate below `SMALL` falls by less than this factor: the rest is rounding."""
@@ -86,6 +95,7 @@ def march_many(problem: Problem, solver: Solver) -> Marched:
     size = status.size
     made, every = Marched(status, core, segments, np.empty(size), np.zeros(size)), np.arange(size)
     left = every[_estimate(problem, solver, made, every, n, coarse, (status, core))]
+    left = _doubted(problem, solver, made, left, n)
     while left.size and n < MOST_SEGMENTS:
         n *= 2
         left = _refine(problem if left.size == every.size else problem.part(left), solver, made, left, n)
@@ -93,13 +103,59 @@ def march_many(problem: Problem, solver: Solver) -> Marched:
 
 
 def recorded_segments(problem: Problem, solver: Solver, segments: NDArray[np.int32]) -> NDArray[np.int32]:
-    """Segments with which the recorded lines of impacts meet the accuracy, from those of `march_many`: on fixed targets
-    summaries need fewer, because the core computes them without lines."""
+    """Segments with which the recorded lines of impacts meet the accuracy, at least those of `march_many`: summaries
+    need fewer where tables, polynomials or integrals replace the lines."""
     if solver.accuracy is None or solver.linearisation == "chord":
         return segments
+    fixed = (problem.gamma == 0.0) & (problem.damping == 0.0)
     least = min(math.ceil((LINE_ERROR / solver.accuracy) ** 0.25), MOST_SEGMENTS)
-    fixed = problem.start["gamma"] == 0.0
-    return np.where(fixed[:, None], np.maximum(segments, problem.curve.segments(least)), segments)
+    found = np.where(fixed[:, None], np.maximum(segments, problem.curve.segments(least)), segments)
+    others = np.flatnonzero(~fixed)
+    if others.size:
+        found[others] = np.maximum(found[others], _segments_of_lines(problem.part(others), solver))
+    return found
+
+
+def _segments_of_lines(problem: Problem, solver: Solver) -> NDArray[np.int32]:
+    """Segments, doubled until the lines of two meshes agree."""
+    assert solver.accuracy is not None
+    n, left = FIRST_SEGMENTS, np.arange(problem.start.size)
+    found, before, coarse = np.empty((left.size, 2), np.int32), np.zeros(left.size), _lines(problem, solver, n // 2)[1]
+    while left.size:
+        part, mesh = problem.part(left), mesh_of(solver, problem.curve.segments(n))
+        status, fine = _lines(part, solver, n)
+        apart = difference(part, coarse, fine)
+        bound = bound_fine(mesh, part.start, coarse.table, fine.table, apart, before)
+        found[left] = part.curve.segments(n)
+        wrong = (bound > max(solver.accuracy, SMALL)) | (n < first_segments(part.damping, FIRST_SEGMENTS))
+        wrong &= (status >= 0) & (fine.lines < MOST_LINES // 2) & (2 * n <= MOST_SEGMENTS)
+        left, coarse, before, n = left[wrong], Columns(fine.table[wrong]), apart[wrong], 2 * n
+    return found
+
+
+def _doubted(problem: Problem, solver: Solver, made: Marched, left: Index, n: int) -> Index:
+    """The places to refine, with those where the meshes of n and n/2 segments agreed by chance: a third mesh of 3n/4
+    judges lines on moving targets that no table or polynomial replaces, and the larger estimate counts."""
+    assert solver.accuracy is not None
+    doubtful = (problem.gamma > 0.0) & (made.estimated > DOUBTED * solver.accuracy)
+    doubtful[left] = False
+    if _by_powers(problem) or not any_of(doubtful):
+        return left
+    places = doubtful.nonzero()[0]
+    part, fine = problem.part(places), (made.status[places], Columns(made.core.table[places]))
+    before, apart = made.estimated[places], made.apart[places]
+    third = _march(part, solver, (3 * n + 3) // 4)
+    wrong = _estimate(part, solver, made, places, n, third, fine)
+    made.estimated[places] = np.fmax(made.estimated[places], before)
+    made.apart[places] = np.maximum(made.apart[places], apart)
+    return np.union1d(left, places[wrong])
+
+
+def _by_powers(problem: Problem) -> bool:
+    """Whether tables or Taylor polynomials replace the lines of all stages and branches on moving targets."""
+    forces = [stage.force for stage in problem.curve.stages]
+    powers = all(isinstance(f, Power) and (f.exponent == TABLED or f.coefficient == 0.0) for f in forces)
+    return powers and problem.curve.steepest in (0.0, 1.0, TABLED)  # lines of straight branches are exact
 
 
 def _refine(part: Problem, solver: Solver, made: Marched, places: Index, n: int) -> Index:
@@ -138,6 +194,8 @@ def _estimate(
     loaded = problem.load > 0.0
     if n <= FIRST_SEGMENTS and (problem.curve.pulls or problem.loaded):
         found[(apart <= SAME) & (loaded | problem.curve.pulls)] = 1.0
+    if problem.loaded and problem.damps:  # by lines, of which the first ones stop the impactor
+        found[loaded & (n < first_segments(problem.damping, FIRST_SEGMENTS))] = 1.0
     if problem.loaded:
         found = np.where(loaded, np.maximum(found, LOADED * solver.accuracy), found)
     estimated = np.minimum(found + rounds, 1.0)
@@ -190,7 +248,11 @@ def _half(n: int, solver: Solver) -> int:
 
 
 def _march(problem: Problem, solver: Solver, n: int) -> tuple[NDArray[np.int32], Columns]:
-    counts = problem.curve.segments(n)
     if problem.law.damped and n > DAMPED_LANES:
-        return problem.march(native.mesh(line_kind(solver), *counts, native.LINES))
-    return problem.march(mesh_of(solver, counts))
+        return _lines(problem, solver, n)
+    return problem.march(mesh_of(solver, problem.curve.segments(n)))
+
+
+def _lines(problem: Problem, solver: Solver, n: int) -> tuple[NDArray[np.int32], Columns]:
+    """By the lines of the mesh, and no shorter way."""
+    return problem.march(native.mesh(line_kind(solver), *problem.curve.segments(n), native.LINES))

@@ -178,7 +178,7 @@ class Meshes(NamedTuple):
             return cls((2 * solver.segments, solver.segments), of_coarse, math.inf)
         damping = max((float(np.max(problem.damping)) for problem in problems), default=0.0)
         wanted = math.ceil(FIRST_SEGMENTS * (TARGET / target) ** 0.25)
-        n = first_segments(damping, max(wanted, LEAST_SEGMENTS))
+        n = int(first_segments(damping, max(wanted, LEAST_SEGMENTS)))
         return cls((n, 2 * n), of_fine, target)
 
 

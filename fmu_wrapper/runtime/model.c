@@ -308,8 +308,6 @@ static int impact_step(model *m, double end, int stop_at_events, int *stopped) {
     *stopped = 0;
     if (apply_inputs(m) < 0) return -1;
     if (!isfinite((end - now->start_time) / clock)) return model_error(m, "a step to %g s is too long", end);
-    if (vibrates(m)) modes_renew_work(m);
-    now->sliding.steps = 0;
     int most = slides(m) ? MAX_SLIDING_EVENTS : MAX_STEP_EVENTS;
     for (int events = 0;;) {
         double before = state->time, left = fmax((end - now->start_time) / clock - before, 0.0);
@@ -362,6 +360,12 @@ static int move_inputs(model_memory *now, double time) {
 }
 
 int model_step(model *m, double end, int stop_at_events, int *stopped) {
+    if (vibrates(m)) modes_renew_work(m);
+    m->memory.sliding.steps = 0;
+    return model_continue(m, end, stop_at_events, stopped);
+}
+
+int model_continue(model *m, double end, int stop_at_events, int *stopped) {
     model_memory *now = &m->memory;
     double since = now->time, velocity = now->state.nu * now->velocity + now->support;
     double displacement = (now->state.xi + now->state.shift) * now->length + now->support_displacement;
@@ -372,7 +376,7 @@ int model_step(model *m, double end, int stop_at_events, int *stopped) {
     int status = impact_step(m, end, stop_at_events, stopped);
     if (status == 0) balance_step(m, since, velocity, displacement);
     if (!moving || status != 0) return status;
-    move_inputs(now, 0.5 * (end - since));
+    move_inputs(now, now->time - since - 0.5 * (end - since));
     memset(now->input_rates, 0, sizeof now->input_rates);
     return apply_inputs(m);
 }

@@ -1,6 +1,5 @@
 """An instance of FMI 3.0 under FMPy whose importer is called in steps."""
 
-import ctypes
 from contextlib import contextmanager
 
 from fmpy.fmi3 import FMU3Slave
@@ -8,9 +7,27 @@ from fmpy.fmi3 import FMU3Slave
 from fmu_wrapper.instance import Slave
 
 
+PARTS = 8
+"""Of a step, between which the importer is called."""
+
+MOTION = ("indentation", "impactor_velocity", "impactor_displacement", "target_displacement", "contact_force")
+
+
+def slave_of(fmu):
+    """FMPy's instance of FMI 3.0, not instantiated."""
+    return FMU3Slave(
+        guid=fmu.description.guid,
+        unzipDirectory=fmu.folder,
+        modelIdentifier=fmu.description.coSimulation.modelIdentifier,
+        instanceName="impact",
+    )
+
+
 class Updated(Slave):
-    """An instance that calls `update(slave, time, may_set, may_get, finished, can_return)` in its steps. `update` returns None,
-    or the time at which the step is to end. required: names of the variables that it sets and gets."""
+    """An instance that calls `update(slave, time, may_set, may_get, finished, can_return)` in its steps.
+
+    `update` returns None, or the time at which the step is to end. required: names of the variables that it sets and gets.
+    """
 
     def __init__(self, fmu, update, required, event_mode=False, early_return=False):
         self.fmu, self.event_mode, self.exchange, self.version = fmu, event_mode, False, 3
@@ -25,12 +42,7 @@ class Updated(Slave):
             if end is not None:
                 returns[0], return_time[0] = True, end
 
-        self.instance = FMU3Slave(
-            guid=fmu.description.guid,
-            unzipDirectory=fmu.folder,
-            modelIdentifier=fmu.description.coSimulation.modelIdentifier,
-            instanceName="impact",
-        )
+        self.instance = slave_of(fmu)
         self.instance.instantiate(
             logMessage=lambda _e, _s, category, text: fmu.log(category, text),
             eventModeUsed=event_mode,

@@ -70,59 +70,96 @@ static void call_importer(instance *i, double time, int set, int get, int can_re
     i->state.mode = STEPPING;
 }
 
-/* Ask for the inputs of an impact at a later time, to which they then change linearly. inputs: those asked for before. */
-static int ask_for_inputs(instance *i, const char *function, double time, double inputs[INPUTS]) {
-    model_memory *now = &i->model.memory;
-    double *value = &now->value[EXTERNAL_FORCE], before[INPUTS];
-    memcpy(before, value, sizeof before);
-    memcpy(value, inputs, sizeof before);
-    call_importer(i, time, 1, 0, 0);
-    memcpy(inputs, value, sizeof before);
-    memcpy(value, before, sizeof before);
-    for (unsigned k = 0; k < INPUTS; k++) {
-        double rate = (inputs[k] - before[k]) / (time - now->time);
-        if (rate != 0.0 && model_set_input_rate(&i->model, EXTERNAL_FORCE + k, 1, rate) < 0) return instance_fail(i, function);
-    }
-    return GOOD;
+/* A part of an impact's step: its times, s, and the inputs there, between which they change linearly. */
+typedef struct {
+    double from, to, before[INPUTS], after[INPUTS];
+} step_part;
+
+/* The inputs that move the impactor during a part: their means. */
+static void set_mean_inputs(instance *i, const step_part *part) {
+    double *value = &i->model.memory.value[EXTERNAL_FORCE];
+    for (int k = 0; k < INPUTS; k++) value[k] = 0.5 * part->before[k] + 0.5 * part->after[k];
 }
 
-/* Show the outputs now. *end: of the step, to which it may return early. */
-static int show_outputs(instance *i, const char *function, double from, double *end) {
-    double now = i->model.memory.time, tolerance = SAME_TIME * (*end - from);
+/* The inputs at the time reached. */
+static void set_present_inputs(instance *i, const step_part *part) {
+    double *value = &i->model.memory.value[EXTERNAL_FORCE], share = (i->model.memory.time - part->from) / (part->to - part->from);
+    for (int k = 0; k < INPUTS; k++)
+        value[k] = share >= 1.0 ? part->after[k] : (1.0 - share) * part->before[k] + share * part->after[k];
+}
+
+/* Ask for the inputs at the end of a part. */
+static void begin_part(instance *i, step_part *part, double to) {
+    double *value = &i->model.memory.value[EXTERNAL_FORCE];
+    part->from = i->model.memory.time;
+    part->to = to;
+    memcpy(part->before, value, sizeof part->before);
+    if (i->sets) call_importer(i, to, 1, 0, 0);
+    memcpy(part->after, value, sizeof part->after);
+    set_mean_inputs(i, part);
+}
+
+/* A step in parts: its times, s, of which the importer may change the end; and the events so far. */
+typedef struct {
+    double from, end;
+    int stop_at_events, events;
+} step_course;
+
+/* Show the outputs now; the importer may ask for an early return. */
+static int show_outputs(instance *i, const char *function, step_course *course) {
+    double now = i->model.memory.time, from = course->from, end = course->end, tolerance = SAME_TIME * (end - from);
     call_importer(i, now, i->sets && i->data->kind == CONTACT, 1, i->early_return);
     if (!i->update.returns) return GOOD;
     double to = i->update.return_time;
-    if (i->early_return && to >= from - tolerance && to <= *end + tolerance) {
-        *end = fmin(fmax(to, now), *end);
+    if (i->early_return && to >= from - tolerance && to <= end + tolerance) {
+        course->end = fmin(fmax(to, now), end);
         return GOOD;
     }
     i->state.mode = FAILED;
     if (!i->early_return) return instance_error(i, function, "earlyReturnRequested is true, but canReturnEarly was false");
-    return instance_error(i, function, "earlyReturnTime %.17g s must be from %.17g s to %.17g s, in the step", to, from, *end);
+    return instance_error(i, function, "earlyReturnTime %.17g s must be from %.17g s to %.17g s, in the step", to, from, end);
+}
+
+/* An impact to the end of a part, or to an event at which the step ends; *stopped is then 1. */
+static int advance(instance *i, const char *function, const step_part *part, step_course *course, int *stopped) {
+    model *m = &i->model;
+    for (;;) {
+        if (model_continue(m, fmin(part->to, course->end), 1, stopped) < 0) return instance_fail(i, function);
+        if (!*stopped || course->stop_at_events) return GOOD;
+        if (++course->events > MAX_STEP_EVENTS) {
+            i->state.mode = FAILED;
+            return instance_error(i, function, "more than %d events in one step, at %g s: ask for a shorter step", (int)MAX_STEP_EVENTS,
+                                  m->memory.time);
+        }
+        set_present_inputs(i, part);
+        if (m->memory.time < course->end && show_outputs(i, function, course) != GOOD) return ERROR;
+        if (i->update.returns && m->memory.time >= course->end) return GOOD;
+        set_mean_inputs(i, part); /* those at the event would move the target otherwise, and turn the motion again at once */
+    }
 }
 
 /* A step with intermediate updates, at the ends of its parts and at events. */
 static int step_in_parts(instance *i, const char *function, double from, double end, int stop_at_events) {
     model *m = &i->model;
     model_memory *now = &m->memory;
-    double inputs[INPUTS], size = end - from, since = now->time, impulse = now->impulse;
-    int impact = i->data->kind == IMPACT, stopped = 0, begun = 0;
-    memcpy(inputs, &now->value[EXTERNAL_FORCE], sizeof inputs);
-    for (int part = 1, events = 0; now->time < end; part += !stopped) {
-        double next = part < PARTS ? fmin(from + size * part / PARTS, end) : end;
-        if (!(next > now->time)) {
-            stopped = 0;
-            continue;
+    step_course course = {from, end, stop_at_events, 0};
+    double since = now->time, impulse = now->impulse;
+    int impact = i->data->kind == IMPACT, stopped = 0;
+    i->update.returns = 0;
+    model_begin_step(m);
+    for (int k = 1; now->time < course.end && !stopped; k++) {
+        double to = k < PARTS ? fmin(from + (end - from) * k / PARTS, course.end) : course.end;
+        step_part part;
+        if (!(to > now->time)) continue;
+        if (impact) {
+            begin_part(i, &part, to);
+            if (advance(i, function, &part, &course, &stopped) != GOOD) return ERROR;
+            set_present_inputs(i, &part);
+            if (!stopped && model_apply_inputs(m) < 0) return instance_fail(i, function);
+        } else if (model_continue(m, to, 0, &stopped) < 0) {
+            return instance_fail(i, function);
         }
-        if (impact && i->sets && ask_for_inputs(i, function, next, inputs) != GOOD) return ERROR;
-        if ((begun++ ? model_continue : model_step)(m, next, 1, &stopped) < 0) return instance_fail(i, function);
-        if (stopped && stop_at_events) break;
-        if (stopped && ++events > MAX_STEP_EVENTS) {
-            i->state.mode = FAILED;
-            return instance_error(i, function, "more than %d events in one step, at %g s: ask for a shorter step", (int)MAX_STEP_EVENTS, now->time);
-        }
-        if (impact && !stopped) memcpy(&now->value[EXTERNAL_FORCE], inputs, sizeof inputs); /* without rounding */
-        if (now->time < end && show_outputs(i, function, from, &end) != GOOD) return ERROR;
+        if (!stopped && now->time < course.end && show_outputs(i, function, &course) != GOOD) return ERROR;
     }
     if (impact && now->time > since) now->step_force = (now->impulse - impulse) / (now->time - since);
     return GOOD;

@@ -6,7 +6,6 @@ from fmpy.fmi3 import FMU3Slave
 
 from fmu_wrapper.instance import Slave
 
-
 PARTS = 8
 """Of a step, between which the importer is called."""
 
@@ -26,7 +25,7 @@ def slave_of(fmu):
 class Updated(Slave):
     """An instance that calls `update(slave, time, may_set, may_get, finished, can_return)` in its steps.
 
-    `update` returns None, or the time at which the step is to end. required: names of the variables that it sets and gets.
+    `update` returns None, or the time at which the step is to end. required: names of what it sets and gets.
     """
 
     def __init__(self, fmu, update, required, event_mode=False, early_return=False):

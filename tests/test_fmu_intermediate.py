@@ -74,6 +74,31 @@ def test_inputs_set_in_the_step_are_followed_to_second_order(made):
     assert found[None][-1] > 0.05 and found[case.importer][-1] < 5e-5
 
 
+@pytest.mark.parametrize("slows_down", [True, False])
+def test_a_moving_support_turns_the_motion_a_few_times(made, slows_down):
+    """At maximum indentation its velocity must stay, or it would turn the motion again and again at the same time."""
+    on, names = hertz(), ("event_count", "contact_count", "impactor_velocity")
+    end, found = 1.3 * fm.simulate(on).duration, []
+
+    def support(time):
+        return 0.3 * on.approach_velocity * (1.0 - time / end if slows_down else time / end)
+
+    def importer(slave, time, may_set, *_):
+        if may_set:
+            slave.set("support_velocity", support(time))
+
+    with opened(made(on)) as fmu:
+        for steps in range(1, 25):
+            with updated(fmu, importer, ("support_velocity",), {"support_velocity": support(0.0)}) as slave:
+                for n in range(steps):
+                    slave.do_step(n * end / steps, end / steps)
+                found.append(slave.get(names))
+    last = found[-1]
+    for values in found:
+        assert 3.0 <= values["event_count"] <= 8.0 and values["contact_count"] == 1.0
+        assert values["impactor_velocity"] == pytest.approx(last["impactor_velocity"], abs=2e-3 * on.approach_velocity)
+
+
 class Carriage:
     """A body on a spring and a damper that carries the target; extrapolates the force by its rate."""
 
@@ -188,7 +213,7 @@ def test_updates_are_small_steps_with_rates_of_fmi_2(made, name):
         for key, value in inputs(time).items() if may_set else ():
             slave.set(key, value)
 
-    names = (*MOTION, "contact_count", "contact_impulse", "external_work", *(("spin", "friction_force") if along else ()))
+    names = (*MOTION, "contact_count", "contact_impulse", *(("spin", "friction_force") if along else ()))
     with opened(made(on, 3)) as fmu, updated(fmu, importer, tuple(inputs(0.0))) as slave:
         for n in range(4):  # before an event, at which the rest of a part begins anew
             slave.do_step(n * size, size)

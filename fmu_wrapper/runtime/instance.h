@@ -32,7 +32,7 @@ typedef struct {
     int returns;
     double return_time; /* s */
 } update_call;
-typedef void call_update(const instance *i, update_call *call);
+typedef void update_caller(const instance *i, update_call *call);
 
 /* Content of a saved state; no pointers. */
 typedef struct {
@@ -50,7 +50,7 @@ struct instance {
     void *environment;
     void (*logger)(void); /* the importer's callback; `report` casts it to its type */
     char *name;
-    call_update *updater;       /* NULL: no intermediate updates */
+    update_caller *updater;   /* NULL: no intermediate updates */
     void (*importer)(void);   /* the importer's callback for them; `updater` casts it to its type */
     update_call update;       /* in Intermediate Update Mode, the present one */
     int sets;                 /* whether the importer sets inputs then */
@@ -95,7 +95,7 @@ int instance_derivatives(instance *i, const char *function, const unsigned *unkn
 int instance_step(instance *i, const char *function, double from, double size, int *event);
 /* Call the importer during steps, if it wants variables then. An impact: inputs at the end of each part of the step, before it
  * is computed, and in between change linearly; outputs at the inner ends, and at events. A contact: both at the inner ends. */
-int instance_require(instance *i, const char *function, const unsigned *references, size_t count, call_update *updater,
+int instance_require(instance *i, const char *function, const unsigned *references, size_t count, update_caller *updater,
                      void (*importer)(void));
 /* Whether a variable may be accessed; outside Intermediate Update Mode always. */
 int instance_may_get(const instance *i, const char *function, unsigned reference);

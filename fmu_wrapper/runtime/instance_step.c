@@ -23,7 +23,7 @@ static int is_input(const instance *i, unsigned reference) {
     return reference < SETTABLE && VARIABLE[reference].role[i->data->kind] == INPUT;
 }
 
-int instance_require(instance *i, const char *function, const unsigned *references, size_t count, call_update *updater,
+int instance_require(instance *i, const char *function, const unsigned *references, size_t count, update_caller *updater,
                      void (*importer)(void)) {
     if (!importer || count == 0) return GOOD;
     NEED(references, count);

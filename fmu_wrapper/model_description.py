@@ -209,8 +209,13 @@ def _interfaces(root: ET.Element, data: Data, version: FmiVersion, identifier: s
     if has_exchange(data):
         needs = str(needs_completed_step).lower()
         ET.SubElement(root, "ModelExchange", {**able, "needsCompletedIntegratorStep": needs})
-    events = {"hasEventMode": "true", "mightReturnEarlyFromDoStep": "true"} if kind == "impact" else {}
-    ET.SubElement(root, "CoSimulation", {**able, **variable, **events, **rates})
+    updates = {
+        "providesIntermediateUpdate": "true",
+        "mightReturnEarlyFromDoStep": "true",
+        "canReturnEarlyAfterIntermediateUpdate": "true",
+    }
+    events = {"hasEventMode": "true"} if kind == "impact" else {}
+    ET.SubElement(root, "CoSimulation", {**able, **variable, **updates, **events, **rates})
 
 
 def _units(root: ET.Element, chosen: list[Variable]) -> None:
@@ -289,6 +294,8 @@ def _variable_3(
         return
     if v.rate_of is not None and data.kind == 0:
         head["derivative"] = str(reference(v.rate_of))
+    if v.variability == "continuous" and v.causality[KINDS[data.kind]] in ("input", "output"):
+        head["intermediateUpdate"] = "true"
     ET.SubElement(parent, "Float64" if v.type == Real else "Int32", _number(v, data, head, sizes))
 
 

@@ -53,7 +53,7 @@ SOURCES = (
             *("_stresses", "_slopes", "_sliding"),
         )
     ),
-    *(f"{RUNTIME}/{name}.c" for name in ("resource", "instance", "fmi2", "fmi3")),
+    *(f"{RUNTIME}/{name}.c" for name in ("resource", "instance", "instance_step", "fmi2", "fmi3")),
 )
 HEADERS = (
     f"{CORE}/film_core.h",
@@ -61,7 +61,10 @@ HEADERS = (
     *(f"{CORE}/{name}.h" for name in ("modal/film_modal", "modal/film_modal_parts")),
     *(f"{CORE}/{name}.h" for name in ("relax/film_relax", "relax/film_relax_parts")),
     *(f"{CORE}/oblique/film_{name}.h" for name in ("friction", "springs", "slide")),
-    *(f"{RUNTIME}/{name}.h" for name in ("model", "model_parts", "instance", "variables", "failures")),
+    *(
+        f"{RUNTIME}/{name}.h"
+        for name in ("model", "model_parts", "instance", "instance_parts", "variables", "failures")
+    ),
 )
 INCLUDES = (CORE, RUNTIME)
 WINDOWS_START = f"{RUNTIME}/windows_start.c"

@@ -7,6 +7,7 @@
  *
  * Prints one line; at the first failed assertion it prints that and exits with status 1. */
 #include "fmu_check_model.h"
+#include "fmu_check_updates.h"
 /* ---------------------------------------------------------------- the contact alone */
 
 /* Damping coefficient of a law; in all laws of this check it is a power. */
@@ -154,6 +155,11 @@ int main(int count, char **path) {
                     for (int i = 0; i < 10; i++) CHECK(contact_at_any_step, &r[k], version, interface);
                 if (!impact) CHECK(contact_derivative, &r[k], version, interface);
                 CHECK(rollback, &r[k], version, interface);
+                if (version == 3 && interface != EXCHANGE) {
+                    place_is("intermediate updates", &r[k], version, interface);
+                    for (int i = 0; impact && i < 3; i++) updates_of_outputs(&r[k], interface);
+                    updates_of_inputs(&r[k], interface);
+                }
                 CHECK(reset_is_new, &r[k], version, interface);
             }
             place_is("parameters", &r[k], version, COSIMULATION);
@@ -178,6 +184,6 @@ int main(int count, char **path) {
     free(met);
     free(lines);
     close_resources(r, count);
-    printf("fmu_check: %d folders, %ld checks, %ld early returns\n", count - 1, checks, early_returns);
+    printf("fmu_check: %d folders, %ld checks, %ld early returns, %ld intermediate updates\n", count - 1, checks, early_returns, updates);
     return blocks == 0 ? 0 : 1;
 }

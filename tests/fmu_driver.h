@@ -143,6 +143,12 @@ typedef struct {
     double now; /* communication point */
 } unit;
 
+/* What the importer does in intermediate updates of FMI 3.0, or NULL; and what it accesses then. */
+static fmi3IntermediateUpdateCallback importer = NULL;
+static unsigned required[VARIABLES];
+static size_t required_count = 0;
+static unit *in_step = NULL; /* whose step calls it */
+
 static inline unit make(int version, int interface, const resources *from) {
     unit u = {version, interface, from, NULL, 0.0};
     const char *token = from->data.token;
@@ -153,7 +159,7 @@ static inline unit make(int version, int interface, const resources *from) {
         u.c = fmi3InstantiateModelExchange("unit", token, from->path, fmi3False, fmi3True, NULL, logger_3);
     else
         u.c = fmi3InstantiateCoSimulation("unit", token, from->path, fmi3False, fmi3True, interface != COSIMULATION,
-                                          interface == EARLY_RETURN, NULL, 0, NULL, logger_3, NULL);
+                                          interface == EARLY_RETURN, required, required_count, NULL, logger_3, importer);
     return u;
 }
 
@@ -199,6 +205,16 @@ static inline int has(const resources *r, unsigned reference) {
     if (beside(r) && VARIABLE[reference].changes == IN_MODEL_EXCHANGE) return 0;
     if (reference >= SLIDING_VELOCITY && reference <= TIME_OF_LAST_SLIDING_EVENT && !r->data.available[FRICTION]) return 0;
     return VARIABLE[reference].role[r->data.kind] != ABSENT && (reference >= SETTABLE || r->data.available[reference]);
+}
+
+/* Require all inputs and outputs that may be accessed in intermediate updates. */
+static inline void require(const resources *r, int inputs) {
+    required_count = 0;
+    for (unsigned k = EXTERNAL_FORCE; k < VARIABLES; k++) {
+        const film_variable *v = &VARIABLE[k];
+        int input = v->role[r->data.kind] == INPUT, output = v->role[r->data.kind] == OUTPUT;
+        if (has(r, k) && v->type == REAL && v->changes == ANY_TIME && ((input && inputs) || output)) required[required_count++] = k;
+    }
 }
 
 /* All variables; 0 for those that this FMU does not have. */
@@ -300,6 +316,7 @@ typedef struct {
 
 /* One call; FMI 2.0 only returns the status. */
 static inline int do_step(unit *u, double from, double size, stepped *how) {
+    in_step = u;
     if (u->version == 2) {
         how->event = how->early = 0;
         how->time = from + size;
@@ -309,7 +326,7 @@ static inline int do_step(unit *u, double from, double size, stepped *how) {
     int status = (int)fmi3DoStep(u->c, from, size, fmi3True, &event, &end, &early, &how->time);
     how->event = event;
     how->early = early;
-    if (status == GOOD) HOLD(!end && (!early || event));
+    if (status == GOOD) HOLD(!end && (!early || event || importer));
     return status;
 }
 

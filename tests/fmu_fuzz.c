@@ -9,7 +9,8 @@
 static void try_to_make(player *p, const resources *r) {
     const char *name = likely(95) ? "fuzz" : likely(50) ? "" : NULL;
     const char *token = likely(95) ? r->data.token : likely(50) ? "{no such}" : NULL;
-    unsigned none = 0;
+    unsigned wanted[VARIABLES] = {0};
+    size_t count = likely(2) ? 1 : 0;
     long before = messages;
     memset(p, 0, sizeof *p);
     p->u.version = whole(2, 3);
@@ -25,6 +26,9 @@ static void try_to_make(player *p, const resources *r) {
                                  fmi2False, likely(50));
     } else {
         const char *path = likely(95) ? r->path : likely(30) ? NULL : likely(50) ? "" : "/no/such/folder";
+        p->updated = likely(60);
+        for (unsigned k = EXTERNAL_FORCE; k <= KINETIC_ENERGY; k++)
+            if (p->updated && has(r, k) && VARIABLE[k].role[r->data.kind] != PARAMETER && likely(60)) wanted[count++] = k;
         fmi3LogMessageCallback logger = p->silent ? NULL : logger_3;
         if (likely(2))
             p->u.c = fmi3InstantiateScheduledExecution(name, token, path, fmi3False, fmi3False, NULL, logger, NULL, NULL, NULL);
@@ -32,7 +36,8 @@ static void try_to_make(player *p, const resources *r) {
             p->u.c = fmi3InstantiateModelExchange(name, token, path, fmi3False, likely(50), NULL, logger);
         else
             p->u.c = fmi3InstantiateCoSimulation(name, token, path, fmi3False, likely(50), p->u.interface != COSIMULATION,
-                                                 p->u.interface == EARLY_RETURN, &none, likely(2) ? 1 : 0, NULL, logger, NULL);
+                                                 p->u.interface == EARLY_RETURN, likely(99) ? wanted : NULL, count, NULL, logger,
+                                                 p->updated ? any_update : NULL);
     }
     if (p->u.c || p->silent) HOLD(messages == before);
     else HOLD(messages == before + 1 && last_status == ERROR && strncmp(last_message, "fmi", 3) == 0 && strstr(last_message, ": "));
@@ -168,6 +173,7 @@ int main(int count, char **argument) {
     snprintf(where, sizeof where, "the end");
     detail[0] = 0;
     HOLD(blocks == 0);
-    printf("fmu_fuzz: %ld calls, %ld of them good, %ld refused, %ld damaged files and states\n", calls, good, refused, damaged);
+    printf("fmu_fuzz: %ld calls, %ld intermediate updates, %ld calls good, %ld refused, %ld damaged files and states\n", calls, updates,
+           good, refused, damaged);
     return 0;
 }

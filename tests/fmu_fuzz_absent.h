@@ -96,4 +96,29 @@ static void call_absent_3(player *p) {
 
 static void call_absent(player *p) { p->u.version == 2 ? call_absent_2(p) : call_absent_3(p); }
 
+/* ---------------------------------------------------------------- calls within a step */
+
+static long updates = 0;
+
+/* An importer that calls whatever it likes; messages of the step itself come later. */
+static void any_update(fmi3InstanceEnvironment environment, fmi3Float64 time, fmi3Boolean may_set, fmi3Boolean may_get,
+                       fmi3Boolean finished, fmi3Boolean may_return, fmi3Boolean *returns, fmi3Float64 *return_time) {
+    static void (*const any[])(player *) = {call_set, call_get, call_set, call_get, call_rates, call_step, call_exchange, call_event_mode,
+                                            call_update, call_leave, call_initialization, call_state, call_derivative, call_absent};
+    (void)environment, (void)may_return;
+    player *p = stepping;
+    const model_memory *m = &((instance *)p->u.c)->model.memory;
+    long before = messages;
+    int status = 0;
+    HOLD(may_get == finished && (may_set || may_get) && isfinite(time) && time >= m->time);
+    updates++;
+    for (int calls = whole(0, 3); calls > 0; calls--) any[whole(0, (int)(sizeof any / sizeof *any) - 1)](p);
+    EITHER_CALL(p, fmi2Terminate, (p->u.c), fmi3Terminate, (p->u.c));
+    HOLD(status == ERROR);
+    fmi3FreeInstance(p->u.c);
+    messages = before;
+    *returns = likely(may_return ? 10 : 1);
+    if (likely(30)) *return_time = likely(80) ? time + uniform(-0.1, 1.0) * m->time_scale : odd();
+}
+
 #endif

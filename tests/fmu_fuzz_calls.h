@@ -8,7 +8,8 @@ enum { UNITS = 6, SAVED = 8, LONGEST = 6, MOST_FOLDERS = 40 };
 
 typedef struct {
     unit u;
-    int silent; /* no logger */
+    int silent;  /* no logger */
+    int updated; /* called in steps */
 } player;
 
 typedef struct {
@@ -18,7 +19,7 @@ typedef struct {
 
 static resources *folder;
 static int folders;
-static player players[UNITS];
+static player players[UNITS], *stepping = NULL; /* the latter in its step */
 static kept saves[SAVED];
 static unsigned char *bytes[SAVED];
 static size_t byte_count[SAVED];
@@ -164,9 +165,10 @@ static void call_step(player *p) {
         if (status == GOOD) CALL(p, fmi2GetRealStatus, p->u.c, fmi2LastSuccessfulTime, &time);
     } else {
         fmi3Boolean event, end, early;
+        if (((instance *)p->u.c)->state.mode != INTERMEDIATE) stepping = p;
         CALL(p, fmi3DoStep, p->u.c, from, size, likely(50), likely(99) ? &event : NULL, likely(99) ? &end : NULL,
              likely(99) ? &early : NULL, likely(99) ? &time : NULL);
-        if (status == GOOD) HOLD(!end && (!early || event) && event + 0u <= 1u);
+        if (status == GOOD) HOLD(!end && (!early || event || p->updated) && event + 0u <= 1u);
     }
     if (status == GOOD) HOLD(isfinite(time) && time >= from - 1e-9 * fabs(size) - 1e-12 * fabs(from));
 }

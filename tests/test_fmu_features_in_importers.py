@@ -15,7 +15,8 @@ import film_model as fm
 from fmu_wrapper.instance import opened, started
 
 pytestmark = pytest.mark.slow
-MOTION = ("impactor_velocity", "indentation", "contact_force", "maximum_force", "target_velocity")
+LARGEST = ("maximum_force", "largest_force", "largest_indentation")
+MOTION = ("impactor_velocity", "indentation", "contact_force", *LARGEST, "target_velocity")
 NS = 1e-9
 
 
@@ -48,7 +49,7 @@ def cases():
         ),
         "free body": Case(free, 5000),
         "tunable": Case(
-            *(rubbing("tsuji", restitution=0.8), 40_000, (*MOTION[:4], *along), tuned),
+            *(rubbing("tsuji", restitution=0.8), 40_000, (*MOTION[:6], *along), tuned),
             {"gravity": 2e3, "initial_gap": 1e-6},
         ),
     }

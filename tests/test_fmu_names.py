@@ -93,20 +93,6 @@ def test_a_resource_location_that_is_not_escaped(made, tmp_path):
             slave.fmi2FreeInstance(made_one)
 
 
-def test_intermediate_variables_are_ignored(made):
-    from fmpy.fmi3 import FMU3Slave
-
-    with opened(made(scene("hertz"), 3)) as fmu:
-        slave = FMU3Slave(
-            guid=fmu.description.guid,
-            unzipDirectory=fmu.folder,
-            modelIdentifier=fmu.description.coSimulation.modelIdentifier,
-            instanceName="impact",
-        )
-        slave.instantiate(requiredIntermediateVariables=[22])
-        slave.freeInstance()
-
-
 @VERSIONS
 def test_events_restart_integrators(made, version):
     from fmpy.fmi2 import FMU2Model

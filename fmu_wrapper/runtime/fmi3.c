@@ -9,10 +9,10 @@
 #define SELF instance *i = c; if (!i) return fmi3Error
 #define NEED(pointer, count) \
     if ((count) > 0 && !(pointer)) return (fmi3Status)instance_error(i, HERE, "argument %s is NULL", #pointer)
-#define FORWARD(name, call)           \
-    fmi3Status name(fmi3Instance c) { \
-        SELF;                         \
-        return (fmi3Status)call;      \
+#define FORWARD(declaration, call) \
+    fmi3Status declaration {       \
+        SELF;                      \
+        return (fmi3Status)call;   \
     }
 #define CHECK_COUNTS() \
     if (nValues != nValueReferences) \
@@ -23,6 +23,13 @@ static const char UNSUPPORTED[] = "not supported by this FMU";
 static void send_message(const instance *i, int status, const char *category, const char *text) {
     fmi3LogMessageCallback logger = (fmi3LogMessageCallback)i->logger;
     if (logger) logger(i->environment, (fmi3Status)status, category, text);
+}
+
+static void call_importer(const instance *i, update_call *update) {
+    fmi3Boolean returns = fmi3False;
+    ((fmi3IntermediateUpdateCallback)i->importer)(i->environment, update->time, update->set, update->get, update->finished,
+                                                  update->can_return, &returns, &update->return_time);
+    update->returns = returns;
 }
 
 const char *fmi3GetVersion(void) { return fmi3Version; }
@@ -51,15 +58,14 @@ fmi3Instance fmi3InstantiateCoSimulation(fmi3String instanceName, fmi3String ins
     instance_options options = {instanceName, instantiationToken, resourcePath, 0, eventModeUsed, earlyReturnAllowed,
                                 send_message,         environment,        (void (*)(void))logMessage};
     (void)visible, (void)loggingOn;
-    /* intermediateUpdate is never called: this FMU has no intermediate variables */
-    (void)requiredIntermediateVariables, (void)nRequiredIntermediateVariables, (void)intermediateUpdate;
     instance *made = instance_new(HERE, &options, NULL);
-    if (made && made->data->kind == CONTACT && eventModeUsed) {
-        instance_error(made, HERE, "this FMU has no event mode");
-        instance_free(made);
-        return NULL;
-    }
-    return made;
+    if (!made) return NULL;
+    int status = instance_require(made, HERE, requiredIntermediateVariables, nRequiredIntermediateVariables, call_importer,
+                                  (void (*)(void))intermediateUpdate);
+    if (made->data->kind == CONTACT && eventModeUsed) status = instance_error(made, HERE, "this FMU has no event mode");
+    if (status == GOOD) return made;
+    instance_free(made);
+    return NULL;
 }
 
 fmi3Instance fmi3InstantiateScheduledExecution(fmi3String instanceName, fmi3String instantiationToken, fmi3String resourcePath,
@@ -73,7 +79,9 @@ fmi3Instance fmi3InstantiateScheduledExecution(fmi3String instanceName, fmi3Stri
     return instance_new(HERE, &options, "Scheduled Execution is not supported by this FMU");
 }
 
-void fmi3FreeInstance(fmi3Instance c) { instance_free(c); }
+void fmi3FreeInstance(fmi3Instance c) {
+    if (instance_allows(c, HERE, ANY_MODE)) instance_free(c);
+}
 
 fmi3Status fmi3EnterInitializationMode(fmi3Instance c, fmi3Boolean toleranceDefined, fmi3Float64 tolerance, fmi3Float64 startTime,
                                        fmi3Boolean stopTimeDefined, fmi3Float64 stopTime) {
@@ -83,10 +91,10 @@ fmi3Status fmi3EnterInitializationMode(fmi3Instance c, fmi3Boolean toleranceDefi
     return (fmi3Status)instance_enter_initialization(i, HERE);
 }
 
-FORWARD(fmi3ExitInitializationMode, instance_exit_initialization(i, HERE))
-FORWARD(fmi3EnterEventMode, instance_enter_event_mode(i, HERE))
-FORWARD(fmi3Terminate, instance_terminate(i, HERE))
-FORWARD(fmi3Reset, instance_reset(i, HERE))
+FORWARD(fmi3ExitInitializationMode(fmi3Instance c), instance_exit_initialization(i, HERE))
+FORWARD(fmi3EnterEventMode(fmi3Instance c), instance_enter_event_mode(i, HERE))
+FORWARD(fmi3Terminate(fmi3Instance c), instance_terminate(i, HERE))
+FORWARD(fmi3Reset(fmi3Instance c), instance_reset(i, HERE))
 
 /* ---------------------------------------------------------------- variables */
 
@@ -112,7 +120,7 @@ GETTER(Int64, fmi3Int64, ENUMERATION, ENUMERATION)
     fmi3Status fmi3Set##name(fmi3Instance c, const fmi3ValueReference valueReferences[], size_t nValueReferences,         \
                              const type_name values[], size_t nValues) {                                                  \
         SELF;                                                                                                             \
-        if (!instance_allows(i, HERE, INSTANTIATED | INITIALIZATION | RUNNING)) return fmi3Error;                         \
+        if (!instance_allows(i, HERE, INSTANTIATED | INITIALIZATION | RUNNING | INTERMEDIATE)) return fmi3Error;          \
         NEED(valueReferences, nValueReferences);                                                                          \
         NEED(values, nValues);                                                                                            \
         CHECK_COUNTS();                                                                                                       \
@@ -183,13 +191,14 @@ UNSUPPORTED_CALL(fmi3Status fmi3SetShiftFraction(REFERENCES, const fmi3UInt64 co
 
 fmi3Status fmi3GetOutputDerivatives(REFERENCES, const fmi3Int32 orders[], fmi3Float64 values[], size_t nValues) {
     SELF;
-    if (!instance_allows(i, HERE, STEPPING | EVENT)) return fmi3Error;
+    if (!instance_allows(i, HERE, STEPPING | EVENT | INTERMEDIATE)) return fmi3Error;
     NEED(valueReferences, nValueReferences);
     NEED(orders, nValueReferences);
     NEED(values, nValues);
     CHECK_COUNTS();
     for (size_t k = 0; k < nValues; k++)
-        if (model_output_rate(&i->model, valueReferences[k], orders[k], &values[k]) < 0)
+        if (!instance_may_get(i, HERE, valueReferences[k])) return fmi3Error;
+        else if (model_output_rate(&i->model, valueReferences[k], orders[k], &values[k]) < 0)
             return (fmi3Status)instance_error(i, HERE, "%s", i->model.message);
     return fmi3OK;
 }
@@ -251,15 +260,8 @@ DERIVATIVE(fmi3GetAdjointDerivative, 1, nUnknowns, nKnowns)
 
 /* ---------------------------------------------------------------- saved states */
 
-fmi3Status fmi3GetFMUState(fmi3Instance c, fmi3FMUState *FMUState) {
-    SELF;
-    return (fmi3Status)instance_save(i, HERE, FMUState);
-}
-
-fmi3Status fmi3SetFMUState(fmi3Instance c, fmi3FMUState FMUState) {
-    SELF;
-    return (fmi3Status)instance_restore(i, HERE, FMUState);
-}
+FORWARD(fmi3GetFMUState(fmi3Instance c, fmi3FMUState *FMUState), instance_save(i, HERE, FMUState))
+FORWARD(fmi3SetFMUState(fmi3Instance c, fmi3FMUState FMUState), instance_restore(i, HERE, FMUState))
 
 fmi3Status fmi3FreeFMUState(fmi3Instance c, fmi3FMUState *FMUState) {
     SELF;
@@ -269,25 +271,17 @@ fmi3Status fmi3FreeFMUState(fmi3Instance c, fmi3FMUState *FMUState) {
     return fmi3OK;
 }
 
-fmi3Status fmi3SerializedFMUStateSize(fmi3Instance c, fmi3FMUState FMUState, size_t *size) {
-    SELF;
-    return (fmi3Status)instance_size(i, HERE, FMUState, size);
-}
-
-fmi3Status fmi3SerializeFMUState(fmi3Instance c, fmi3FMUState FMUState, fmi3Byte serializedState[], size_t size) {
-    SELF;
-    return (fmi3Status)instance_serialize(i, HERE, FMUState, serializedState, size);
-}
-
-fmi3Status fmi3DeserializeFMUState(fmi3Instance c, const fmi3Byte serializedState[], size_t size, fmi3FMUState *FMUState) {
-    SELF;
-    return (fmi3Status)instance_deserialize(i, HERE, serializedState, size, FMUState);
-}
+FORWARD(fmi3SerializedFMUStateSize(fmi3Instance c, fmi3FMUState FMUState, size_t *size),
+        instance_size(i, HERE, FMUState, size))
+FORWARD(fmi3SerializeFMUState(fmi3Instance c, fmi3FMUState FMUState, fmi3Byte serializedState[], size_t size),
+        instance_serialize(i, HERE, FMUState, serializedState, size))
+FORWARD(fmi3DeserializeFMUState(fmi3Instance c, const fmi3Byte serializedState[], size_t size, fmi3FMUState *FMUState),
+        instance_deserialize(i, HERE, serializedState, size, FMUState))
 
 /* ---------------------------------------------------------------- configuration and events */
 
-FORWARD(fmi3EnterConfigurationMode, instance_error(i, HERE, "this FMU has no structural parameters to configure"))
-FORWARD(fmi3ExitConfigurationMode, instance_error(i, HERE, "this FMU has no structural parameters to configure"))
+FORWARD(fmi3EnterConfigurationMode(fmi3Instance c), instance_error(i, HERE, "this FMU has no structural parameters to configure"))
+FORWARD(fmi3ExitConfigurationMode(fmi3Instance c), instance_error(i, HERE, "this FMU has no structural parameters to configure"))
 
 fmi3Status fmi3EvaluateDiscreteStates(fmi3Instance c) {
     SELF;
@@ -313,8 +307,8 @@ fmi3Status fmi3UpdateDiscreteStates(fmi3Instance c, fmi3Boolean *discreteStatesN
     return status;
 }
 
-FORWARD(fmi3EnterContinuousTimeMode, instance_leave_event_mode(i, HERE, CONTINUOUS))
-FORWARD(fmi3EnterStepMode, instance_leave_event_mode(i, HERE, STEPPING))
+FORWARD(fmi3EnterContinuousTimeMode(fmi3Instance c), instance_leave_event_mode(i, HERE, CONTINUOUS))
+FORWARD(fmi3EnterStepMode(fmi3Instance c), instance_leave_event_mode(i, HERE, STEPPING))
 
 /* ---------------------------------------------------------------- model exchange */
 
@@ -329,35 +323,17 @@ fmi3Status fmi3CompletedIntegratorStep(fmi3Instance c, fmi3Boolean noSetFMUState
     return fmi3OK;
 }
 
-fmi3Status fmi3SetTime(fmi3Instance c, fmi3Float64 time) {
-    SELF;
-    return (fmi3Status)instance_set_time(i, HERE, time);
-}
-
-fmi3Status fmi3SetContinuousStates(fmi3Instance c, const fmi3Float64 continuousStates[], size_t nContinuousStates) {
-    SELF;
-    return (fmi3Status)instance_set_states(i, HERE, continuousStates, nContinuousStates);
-}
-
-fmi3Status fmi3GetContinuousStateDerivatives(fmi3Instance c, fmi3Float64 derivatives[], size_t nContinuousStates) {
-    SELF;
-    return (fmi3Status)instance_vector(i, HERE, GET_RATES, derivatives, nContinuousStates);
-}
-
-fmi3Status fmi3GetEventIndicators(fmi3Instance c, fmi3Float64 eventIndicators[], size_t nEventIndicators) {
-    SELF;
-    return (fmi3Status)instance_vector(i, HERE, GET_INDICATORS, eventIndicators, nEventIndicators);
-}
-
-fmi3Status fmi3GetContinuousStates(fmi3Instance c, fmi3Float64 continuousStates[], size_t nContinuousStates) {
-    SELF;
-    return (fmi3Status)instance_vector(i, HERE, GET_STATES, continuousStates, nContinuousStates);
-}
-
-fmi3Status fmi3GetNominalsOfContinuousStates(fmi3Instance c, fmi3Float64 nominals[], size_t nContinuousStates) {
-    SELF;
-    return (fmi3Status)instance_vector(i, HERE, GET_NOMINALS, nominals, nContinuousStates);
-}
+FORWARD(fmi3SetTime(fmi3Instance c, fmi3Float64 time), instance_set_time(i, HERE, time))
+FORWARD(fmi3SetContinuousStates(fmi3Instance c, const fmi3Float64 continuousStates[], size_t nContinuousStates),
+        instance_set_states(i, HERE, continuousStates, nContinuousStates))
+FORWARD(fmi3GetContinuousStateDerivatives(fmi3Instance c, fmi3Float64 derivatives[], size_t nContinuousStates),
+        instance_vector(i, HERE, GET_RATES, derivatives, nContinuousStates))
+FORWARD(fmi3GetEventIndicators(fmi3Instance c, fmi3Float64 eventIndicators[], size_t nEventIndicators),
+        instance_vector(i, HERE, GET_INDICATORS, eventIndicators, nEventIndicators))
+FORWARD(fmi3GetContinuousStates(fmi3Instance c, fmi3Float64 continuousStates[], size_t nContinuousStates),
+        instance_vector(i, HERE, GET_STATES, continuousStates, nContinuousStates))
+FORWARD(fmi3GetNominalsOfContinuousStates(fmi3Instance c, fmi3Float64 nominals[], size_t nContinuousStates),
+        instance_vector(i, HERE, GET_NOMINALS, nominals, nContinuousStates))
 
 fmi3Status fmi3GetNumberOfEventIndicators(fmi3Instance c, size_t *nEventIndicators) {
     SELF;
@@ -389,7 +365,7 @@ fmi3Status fmi3DoStep(fmi3Instance c, fmi3Float64 currentCommunicationPoint, fmi
     *terminateSimulation = fmi3False;
     *eventHandlingNeeded = event != 0;
     *lastSuccessfulTime = i->model.memory.time;
-    *earlyReturn = status == fmi3OK && event && *lastSuccessfulTime < currentCommunicationPoint + communicationStepSize;
+    *earlyReturn = status == fmi3OK && *lastSuccessfulTime < currentCommunicationPoint + communicationStepSize;
     return status;
 }
 

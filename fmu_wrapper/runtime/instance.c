@@ -1,5 +1,5 @@
 /* See instance.h. */
-#include "instance.h"
+#include "instance_parts.h"
 
 #include <math.h>
 #include <stdarg.h>
@@ -8,7 +8,6 @@
 #include <string.h>
 
 enum { LONGEST_MESSAGE = 512 };
-static const double SAME_TIME = 1e-9; /* of a step: tolerance for a communication point to equal the end of the last step */
 
 /* ---------------------------------------------------------------- messages and modes */
 
@@ -27,13 +26,12 @@ static int report_model_error(const instance *i, const char *function) {
     return instance_error(i, function, "%s", i->model.message);
 }
 
-static int fail(instance *i, const char *function) {
+int instance_fail(instance *i, const char *function) {
     i->state.mode = FAILED;
     return report_model_error(i, function);
 }
 
-/* Send a warning for every assumption of the export that has been found not to hold. */
-static void announce_validity(instance *i) {
+void instance_announce(instance *i) {
     char text[LONGEST_MESSAGE];
     while (model_announce(&i->model, text, sizeof text))
         if (i->report) i->report(i, WARNING, "validity", text);
@@ -41,10 +39,10 @@ static void announce_validity(instance *i) {
 
 static void list_modes(int modes, char *text, size_t room) {
     static const char *const names[] = {"Instantiated", "Initialization Mode", "Event Mode", "Continuous-Time Mode",
-                                        "Step Mode", "Terminated", "Error"};
+                                        "Step Mode", "Terminated", "Error", "Intermediate Update Mode"};
     size_t used = 0;
     text[0] = 0;
-    for (int k = 0; k < 7; k++)
+    for (int k = 0; k < 8; k++)
         if (modes & (1 << k) && used < room)
             used += (size_t)snprintf(text + used, room - used, "%s%s", used ? ", " : "", names[k]);
 }
@@ -58,16 +56,6 @@ int instance_allows(const instance *i, const char *function, int modes) {
     instance_error(i, function, "called in state %s; allowed in: %s", now, allowed);
     return 0;
 }
-
-#define ALLOW(modes)                                       \
-    do {                                                   \
-        if (!instance_allows(i, function, modes)) return ERROR; \
-    } while (0)
-
-#define NEED(pointer, count)                                                                              \
-    do {                                                                                                  \
-        if ((count) > 0 && !(pointer)) return instance_error(i, function, "argument %s is NULL", #pointer); \
-    } while (0)
 
 /* ---------------------------------------------------------------- creation and modes */
 
@@ -141,7 +129,7 @@ int instance_exit_initialization(instance *i, const char *function) {
     i->state.mode = FAILED;
     if (model_initialize(&i->model, i->model.memory.start_time) < 0) return report_model_error(i, function);
     if (model_start(&i->model, i->model_exchange) < 0) return report_model_error(i, function);
-    announce_validity(i);
+    instance_announce(i);
     i->state.mode = i->model_exchange || i->event_mode ? EVENT : STEPPING;
     if (i->state.mode == STEPPING) model_report(&i->model);
     return GOOD;
@@ -173,12 +161,12 @@ static int of_type(const instance *i, const char *function, unsigned reference, 
 }
 
 int instance_get(instance *i, const char *function, unsigned reference, int type, int or_type, double *value) {
-    if (of_type(i, function, reference, type, or_type) != GOOD) return ERROR;
+    if (of_type(i, function, reference, type, or_type) != GOOD || !instance_may_get(i, function, reference)) return ERROR;
     return model_get(&i->model, reference, value) < 0 ? report_model_error(i, function) : GOOD;
 }
 
 int instance_set(instance *i, const char *function, unsigned reference, int type, int or_type, double value) {
-    if (of_type(i, function, reference, type, or_type) != GOOD) return ERROR;
+    if (of_type(i, function, reference, type, or_type) != GOOD || !instance_may_set(i, function, reference)) return ERROR;
     int changed = !(i->state.mode & (INSTANTIATED | INITIALIZATION)) && model_is_parameter(&i->model, reference);
     int moved = changed && i->state.mode == CONTINUOUS; /* which FMI does not ask for, but optimisers do */
     if (changed && !moved && !(VARIABLE[reference].tunable && i->state.mode & (STEPPING | EVENT)))
@@ -257,7 +245,7 @@ int instance_restore(instance *i, const char *function, const void *saved) {
         model_restore_beside(&i->model, state + 1);
         return GOOD;
     }
-    return fail(i, function); /* the mesh does not belong to the restored memory */
+    return instance_fail(i, function); /* the mesh does not belong to the restored memory */
 }
 
 int instance_size(instance *i, const char *function, const void *saved, size_t *size) {
@@ -298,30 +286,6 @@ int instance_deserialize(instance *i, const char *function, const unsigned char 
     return GOOD;
 }
 
-/* ---------------------------------------------------------------- co-simulation */
-
-int instance_step(instance *i, const char *function, double from, double size, int *event) {
-    model_memory *now = &i->model.memory;
-    double end = from + size;
-    *event = 0;
-    ALLOW(STEPPING);
-    if (!(size >= 0.0) || !isfinite(end))
-        return instance_error(i, function, "the step of %g s from %g s must be >= 0 s and finite", size, from);
-    if (size > 0.0 && !(end > from)) return instance_error(i, function, "the step of %g s is below the resolution of the time %g s", size, from);
-    if (!(fabs(from - now->time) <= SAME_TIME * size + 1e-14 * fabs(now->time)))
-        return instance_error(i, function, "the step begins at %.17g s, but the last one ended at %.17g s", from, now->time);
-    if (i->state.has_stop_time && end > i->state.stop_time + SAME_TIME * (size + fabs(end)))
-        return instance_error(i, function, "the step ends at %g s, after the stop time %g s", end, i->state.stop_time);
-    if (i->event_mode && model_has_unreported(&i->model))
-        return instance_error(i, function, "the event at %.17g s must first be handled in Event Mode", now->time);
-    int stopped, status = model_step(&i->model, end > now->time ? end : now->time, i->event_mode && i->early_return, &stopped);
-    if (status < 0) return fail(i, function);
-    announce_validity(i);
-    if (!i->event_mode) model_report(&i->model);
-    *event = model_has_unreported(&i->model);
-    return GOOD;
-}
-
 /* ---------------------------------------------------------------- event mode and model exchange */
 
 int instance_enter_event_mode(instance *i, const char *function) {
@@ -336,8 +300,8 @@ int instance_enter_event_mode(instance *i, const char *function) {
 int instance_update(instance *i, const char *function, int *restart) {
     *restart = 0;
     ALLOW(EVENT);
-    if (i->model_exchange && model_apply_events(&i->model) < 0) return fail(i, function);
-    announce_validity(i);
+    if (i->model_exchange && model_apply_events(&i->model) < 0) return instance_fail(i, function);
+    instance_announce(i);
     *restart = i->model_exchange && model_has_unreported(&i->model);
     model_report(&i->model);
     return GOOD;

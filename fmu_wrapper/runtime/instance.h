@@ -17,12 +17,22 @@ enum {
     STEPPING = 16,
     TERMINATED = 32,
     FAILED = 64,
+    INTERMEDIATE = 128, /* within a step, while the importer is called */
     RUNNING = EVENT | CONTINUOUS | STEPPING,
-    ANY_MODE = 127
+    ANY_MODE = 127      /* but that one */
 };
 
 typedef struct instance instance;
 typedef void report(const instance *i, int status, const char *category, const char *text);
+
+/* A call of the importer in Intermediate Update Mode: what it may do, and its answer. */
+typedef struct {
+    double time; /* s */
+    int set, get, finished, can_return;
+    int returns;
+    double return_time; /* s */
+} update_call;
+typedef void update_caller(const instance *i, update_call *call);
 
 /* Content of a saved state; no pointers. */
 typedef struct {
@@ -40,6 +50,11 @@ struct instance {
     void *environment;
     void (*logger)(void); /* the importer's callback; `report` casts it to its type */
     char *name;
+    update_caller *updater;   /* NULL: no intermediate updates */
+    void (*importer)(void);   /* the importer's callback for them; `updater` casts it to its type */
+    update_call update;       /* in Intermediate Update Mode, the present one */
+    int sets;                 /* whether the importer sets inputs then */
+    unsigned char required[VARIABLES + SENSED * MOST_SENSORS]; /* variables that it may access then, by value reference */
 };
 
 typedef struct {
@@ -78,6 +93,13 @@ int instance_derivatives(instance *i, const char *function, const unsigned *unkn
                          const unsigned *knowns, size_t known_count, const double *seed, double *sensitivity, int adjoint);
 
 int instance_step(instance *i, const char *function, double from, double size, int *event);
+/* Call the importer during steps, if it wants variables then. An impact: inputs at the end of each part of the step, before it
+ * is computed, and in between change linearly; outputs at the inner ends, and at events. A contact: both at the inner ends. */
+int instance_require(instance *i, const char *function, const unsigned *references, size_t count, update_caller *updater,
+                     void (*importer)(void));
+/* Whether a variable may be accessed; outside Intermediate Update Mode always. */
+int instance_may_get(const instance *i, const char *function, unsigned reference);
+int instance_may_set(const instance *i, const char *function, unsigned reference);
 
 int instance_enter_event_mode(instance *i, const char *function);
 /* *restart: 1 if an event has changed the motion, so that an integrator should start anew. */

@@ -285,8 +285,7 @@ static int advance(model *m, double dt) {
     return slid < 0 ? slid : status;
 }
 
-/* Pass changed inputs to the core. */
-static int apply_inputs(model *m) {
+int model_apply_inputs(model *m) {
     model_memory *now = &m->memory;
     double support = now->value[SUPPORT_VELOCITY], load = load_of(m);
     if (slides(m)) sliding_input(m);
@@ -306,10 +305,8 @@ static int impact_step(model *m, double end, int stop_at_events, int *stopped) {
     film_state *state = &now->state;
     double clock = clock_of(m);
     *stopped = 0;
-    if (apply_inputs(m) < 0) return -1;
+    if (model_apply_inputs(m) < 0) return -1;
     if (!isfinite((end - now->start_time) / clock)) return model_error(m, "a step to %g s is too long", end);
-    if (vibrates(m)) modes_renew_work(m);
-    now->sliding.steps = 0;
     int most = slides(m) ? MAX_SLIDING_EVENTS : MAX_STEP_EVENTS;
     for (int events = 0;;) {
         double before = state->time, left = fmax((end - now->start_time) / clock - before, 0.0);
@@ -361,7 +358,17 @@ static int move_inputs(model_memory *now, double time) {
     return moving;
 }
 
+void model_begin_step(model *m) {
+    if (vibrates(m)) modes_renew_work(m);
+    m->memory.sliding.steps = 0;
+}
+
 int model_step(model *m, double end, int stop_at_events, int *stopped) {
+    model_begin_step(m);
+    return model_continue(m, end, stop_at_events, stopped);
+}
+
+int model_continue(model *m, double end, int stop_at_events, int *stopped) {
     model_memory *now = &m->memory;
     double since = now->time, velocity = now->state.nu * now->velocity + now->support;
     double displacement = (now->state.xi + now->state.shift) * now->length + now->support_displacement;
@@ -374,7 +381,7 @@ int model_step(model *m, double end, int stop_at_events, int *stopped) {
     if (!moving || status != 0) return status;
     move_inputs(now, 0.5 * (end - since));
     memset(now->input_rates, 0, sizeof now->input_rates);
-    return apply_inputs(m);
+    return model_apply_inputs(m);
 }
 
 int model_start(model *m, int importer_integrates) {

@@ -204,6 +204,11 @@ int model_initialize(model *m, double time);
 int model_start(model *m, int importer_integrates);
 /* Advance to time `end` >= time, s. With stop_at_events: only to the next event if that is earlier; *stopped is then 1. */
 int model_step(model *m, double end, int stop_at_events, int *stopped);
+/* The same in two calls, the second for each part of a communication step, whose work is limited as a whole. */
+void model_begin_step(model *m);
+int model_continue(model *m, double end, int stop_at_events, int *stopped);
+/* Pass changed inputs of an impact to the motion, as steps do at their beginning. */
+int model_apply_inputs(model *m);
 /* Whether an event has happened that the outputs do not show yet (0 or 1); and update the outputs. */
 int model_has_unreported(const model *m);
 void model_report(model *m);

@@ -104,7 +104,7 @@ function frictionOfSprings(scene, n, problem, given, rebound, duration, sample) 
     : [elasticRadii(curve, p, force, depth, n.effective_modulus)];
   const power = CORE.c.film_springs_power(curve);
   const runs = radii.map((radius) => followSprings(springs, { ...given, power }, time, force, radius));
-  const [{ velocity, friction, largest, step, apart, regime, events }] = runs;
+  const [{ velocity, friction, largest, step, error, regime, events }] = runs;
   const impulse = n.impactor_mass * (n.speed - rebound) + p.load * p.force * duration; // of the normal force
   const slid = given.velocity - (Math.sign(given.velocity) * given.friction * impulse) / given.mass;
   const ends = regime === 2 ? [slid] : runs.map((run) => run.velocity[steps]);
@@ -113,7 +113,7 @@ function frictionOfSprings(scene, n, problem, given, rebound, duration, sample) 
     peak: [largest, time[step]],
     regime,
     events,
-    error: (safety * apart) / Math.abs(given.velocity),
+    error: (safety * error) / Math.abs(given.velocity),
     motion: { time, sliding_velocity: velocity, friction_force: friction },
     low: Math.min(...ends),
     high: Math.max(...ends),
@@ -154,9 +154,9 @@ function followSprings(count, { modulus, power, friction, mass, velocity }, time
   const rows = new Float64Array(c.memory.buffer, found, 3 * time.length);
   const [v, q] = [0, 1].map((which) => time.map((_, k) => rows[3 * k + which]));
   const view = CORE.view();
-  const [largest, apart] = ["force", "apart"].map((name) => view.getFloat64(result + springs[name], true));
+  const [largest, error] = ["force", "error"].map((name) => view.getFloat64(result + springs[name], true));
   const [regime, events] = [view.getInt32(result + springs.regime, true), phasesAt(view, result + springs.watch, watch, watch.events, 1)];
-  const run = { velocity: v, friction: q, largest, apart, regime, events, step: Number(view.getBigInt64(result + springs.step, true)) };
+  const run = { velocity: v, friction: q, largest, error, regime, events, step: Number(view.getBigInt64(result + springs.step, true)) };
   CORE.top = top;
   return run;
 }

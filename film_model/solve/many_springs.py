@@ -14,6 +14,7 @@ from film_model.core import native
 from film_model.core import springs as core
 from film_model.core.friction import COARSE, ERRORS, EXACT, QUICK
 from film_model.core.records import Lines, recorded, sample_many
+from film_model.core.solving import MOST_SEGMENTS
 from film_model.oblique import springs
 from film_model.oblique.friction import THROUGHOUT, elastic_radius, normal_impulse, radius_beyond_yield, results, slid
 from film_model.oblique.result import REGIMES
@@ -27,21 +28,27 @@ from film_model.solve.many_meshes import recorded_segments
 MARGIN = 10.0
 """Least accuracy over the error of coarse steps and the table of friction where they serve."""
 
+FINER = 2
+"""Segments of the recorded lines over those with which their ends meet the accuracy, as the force between is less exact:
+up to 1e-3 of a damped one (tests/test_friction_estimate.py)."""
+
 AT_ONCE = 64
 """Impacts whose motion is sampled at a time, which a processor's cache holds."""
 
 
 class Normal(NamedTuple):
-    """Normal motions. status: the core's. segments: of the march. rebound: m/s. duration: of contact, s."""
+    """Normal motions. status: the core's. segments: of the march. rebound: m/s. duration: of contact, s. estimated:
+    relative error."""
 
     status: NDArray[np.int32]
     segments: NDArray[np.int32]
     rebound: Array
     duration: Array
+    estimated: Array
 
     def of(self, rows: Any) -> Normal:
         """Some of them."""
-        return Normal(self.status[rows], self.segments[rows], self.rebound[rows], self.duration[rows])
+        return Normal(*(values[rows] for values in self))
 
 
 def coarseness(solver: Solver) -> int:
@@ -64,8 +71,9 @@ def by_springs(problem: Problem, normal: Normal, solver: Solver) -> Iterator[tup
         places = np.arange(begin, min(begin + AT_ONCE, normal.status.size))
         part, motion = problem.part(places), normal.of(places)
         found = _followed(_Motions(part, motion.segments, motion.duration, solver), motion.rebound, tolerance, levels)
-        known, summary, regime, estimated = found
-        yield places[known], {name: value[known] for name, value in summary.items()}, regime[known], estimated[known]
+        known, summary, regime, error = found
+        estimated = error[known] + springs.error_of_force(motion.estimated[known])
+        yield places[known], {name: value[known] for name, value in summary.items()}, regime[known], estimated
 
 
 @dataclass(frozen=True)
@@ -84,6 +92,7 @@ class _Motions:
         scales = problem.scales.part((slice(None), None))
         ahead, values = times / scales.time, np.full((5, *times.shape), np.nan)
         own, curves = recorded_segments(problem, self.solver, self.segments[places]), list(_curves(problem))
+        own = np.minimum(FINER * own, MOST_SEGMENTS)
         for of, curve in curves:
             for counts in sorted(set(map(tuple, own[of].tolist()))):
                 alike, mesh = of[(own[of] == counts).all(axis=1)], mesh_of(self.solver, counts)

@@ -9,10 +9,10 @@
 
 /**
  * The motion along the surface; null without friction, or if nothing slides.
- * @param {Scene} scene @param {any} n @param {Problem} problem @param {Record<string, number>} summary @param {number} duration s
- * @param {(times: Float64Array) => {values: Float64Array}} sample the normal motion at times of the march @returns {Oblique|null}
+ * @param {Scene} scene @param {any} n @param {Problem} problem @param {Record<string, number>} summary
+ * @param {{duration: number, error: number}} own of the normal motion, s and relative @param {(times: Float64Array) => {values: Float64Array}} sample it, at times of the march @returns {Oblique|null}
  */
-function obliqueOf(scene, n, problem, summary, duration, sample) {
+function obliqueOf(scene, n, problem, summary, own, sample) {
   const { along } = scene.base;
   if (!along || scene.values["contact.friction"] === null) return null;
   const x = entriesOf(scene);
@@ -21,7 +21,7 @@ function obliqueOf(scene, n, problem, summary, duration, sample) {
   if (Number.isNaN(summary.rebound_velocity)) throw new Unsupported("friction needs a contact that ends");
   const found =
     given.friction === 0 ? frictionless(given)
-    : exactFriction(given, problem) ?? frictionOfSprings(scene, n, problem, given, summary.rebound_velocity, duration, sample);
+    : exactFriction(given, problem) ?? frictionOfSprings(scene, n, problem, given, summary.rebound_velocity, own, sample);
   const { regimes } = DATA.constants.friction;
   return {
     summary: FORMULAS[along.oblique](x, summary.rebound_velocity, found.after, ...found.peak),
@@ -89,10 +89,11 @@ function phasesAt(view, at, layout, count, unit) {
 /**
  * By springs beside each other that slip, under two models of the stiffness along the surface if the law yields.
  * @param {Scene} scene @param {any} n @param {Problem} problem @param {any} given
- * @param {number} rebound m/s @param {number} duration @param {(times: Float64Array) => {values: Float64Array}} sample
+ * @param {number} rebound m/s @param {{duration: number, error: number}} own @param {(times: Float64Array) => {values: Float64Array}} sample
  */
-function frictionOfSprings(scene, n, problem, given, rebound, duration, sample) {
+function frictionOfSprings(scene, n, problem, given, rebound, own, sample) {
   const { p, law, curve } = problem;
+  const { duration } = own;
   const { springs, steps, safety } = DATA.constants.friction;
   const time = Float64Array.from({ length: steps + 1 }, (_, k) => (k === steps ? duration : k * (duration / steps)));
   const { values } = sample(time.map((t) => t / p.time));
@@ -113,7 +114,7 @@ function frictionOfSprings(scene, n, problem, given, rebound, duration, sample) 
     peak: [largest, time[step]],
     regime,
     events,
-    error: (safety * error) / Math.abs(given.velocity),
+    error: (safety * error) / Math.abs(given.velocity) + 2 * own.error, // as error_of_force in Python
     motion: { time, sliding_velocity: velocity, friction_force: friction },
     low: Math.min(...ends),
     high: Math.max(...ends),

@@ -130,8 +130,8 @@ material without a rate law. The ranks were chosen after the coverage had been s
 
 Alumina balls of 5 mm on glass at 3.9 m/s without spin (Kharaz, Gorham & Salman 2001; dataset `oblique_impacts`), by
 Hertz's law with their µ = 0.092. {close} of {angles} tangential restitutions are met within {near:g} (digitisations
-differ by 0.005), spins within {spin} rad/s (of {fastest}), rebound angles within {turn}°. More: [oblique
-impact](oblique.md).
+differ by 0.005), spins within {spin} rad/s (of {fastest}), rebound angles within {turn}°. More, with glass on
+glass and Chung & Ooi's tests: [oblique impact](oblique.md).
 
 {oblique}
 

@@ -98,10 +98,11 @@ Difference of the models from the theory in ψ₂, over 0 < ψ₁ ≤ 6 and for 
 
 ## Glass on glass
 
-24 impacts of balls of 3.18 mm on each other at 0.6 to 1.3 m/s, of which 14 do not slide throughout, with the method of Foerster, Louge, Chang & Allia (1994) (worksheet
-of Louge's laboratory at Cornell, as transcribed by svenviktorjonsson/rigid-body-collisions: `examples/measurements/`). The chart of
-the laboratory (fall 1999, same transcription) has µ = 0.092, e = 0.97 and β₀ = 0.44 of Walton's model for them: −β₀ ψ₁, or sliding.
-film-model takes µ and ν = 0.25; Walton's β₀ is fitted to such impacts.
+24 impacts of balls of 3.18 mm on each other at 0.6 to 1.3 m/s, by the method of Foerster, Louge, Chang & Allia (1994);
+14 of them do not slide throughout. The source is a worksheet of Louge's laboratory at Cornell, as transcribed by
+svenviktorjonsson/rigid-body-collisions (`examples/measurements/`). The laboratory's chart of 1999, by the same
+transcription, has µ = 0.092, e = 0.97 and β₀ = 0.44 of Walton's model, −β₀ ψ₁ or sliding. film-model takes µ and
+ν = 0.25; Walton's β₀ is fitted to such impacts.
 
 {glass}
 
@@ -118,9 +119,9 @@ Elastic ball, ν = 0.3, µ = 0.3, 5 m/s (Wu; test 5 of Chung & Ooi 2011), as tan
 
 ## Test cases of Chung & Ooi in closed form
 
-Tests 3 to 8 (2011, *Granular Matter* 13:643) in the [reference impacts](reference_impacts.md), where a formula is exact: test 3 gives
-the restitution, and contacts that slide throughout have v₂/v₁ = 1 − 4χ/ψ₁. In test 7 the contact points move alike, and nothing
-slides.
+Tests 3 to 8 (2011, *Granular Matter* 13:643) in the [reference impacts](reference_impacts.md), where a formula is
+exact: test 3 gives the restitution, and contacts that slide throughout have v₂/v₁ = 1 − 4χ/ψ₁. In test 7 the contact
+points move alike, and nothing slides.
 
 {cases}
 """

@@ -74,7 +74,8 @@ def test_the_estimate_bounds_the_error(part):
         one = simulate_quietly(scene, accuracy=accuracy).oblique
         if one is None:
             continue
-        many = simulate_many(scene, {"impactor.velocity": np.array([scene.impactor.path_speed])}, Solver(accuracy)).oblique
+        speed = {"impactor.velocity": np.array([scene.impactor.path_speed])}
+        many = simulate_many(scene, speed, Solver(accuracy)).oblique
         true, before = finer(simulate_quietly(scene, accuracy=1e-8)), abs(one.motion["sliding_velocity"][0])
         for value, estimated in ((one.summary[NAME], one.estimated), (many.summary[NAME][0], many.estimated[0])):
             off = abs(value - true) / before

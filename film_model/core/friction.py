@@ -84,8 +84,8 @@ def impact(normal: Normal, rate: float, velocity: float) -> tuple[int, Result, A
 
 
 def many(normal: NDArray[Any], rate: Array, velocity: Array, coarse: int = EXACT) -> NDArray[Any]:
-    """Results (MANY_DTYPE) of many impacts (NORMAL_DTYPE). coarse: EXACT, COARSE or QUICK, for `ERRORS`, with those under
-    Hertz's law alone from a table unless EXACT."""
+    """Results (MANY_DTYPE) of many impacts (NORMAL_DTYPE). coarse: EXACT, COARSE or QUICK, for `ERRORS`; unless EXACT,
+    those under Hertz's law alone are from a table."""
     normal = np.ascontiguousarray(normal, NORMAL_DTYPE)
     rate, velocity = (np.ascontiguousarray(values, np.float64) for values in (rate, velocity))
     found: NDArray[Any] = np.empty(normal.size, MANY_DTYPE)

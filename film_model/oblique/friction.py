@@ -52,7 +52,8 @@ def oblique_of(
     """The tangential part of an impact whose normal motion is known; None without friction, or if nothing slides.
 
     rebound: normal velocity after the impact, m/s; None if contact did not end. sample: the normal motion at times, SI.
-    duration: of the contacts, s. estimated: relative error of the normal motion. Raises SimulationError for a contact that does not end, sticks or creeps.
+    duration: of the contacts, s. estimated: relative error of the normal motion. Raises SimulationError for a contact
+    that does not end, sticks or creeps.
     """
     given = sliding_of(scene)
     if given is None:

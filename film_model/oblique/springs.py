@@ -27,8 +27,8 @@ MODELLED = 1e-3
 
 
 def error_of_force(estimated: Number) -> Number:
-    """Error of the sliding velocity over that before, by the relative error of the normal force: it is the share of v₁ − v₂
-    then, and |v₂| ≤ |v₁|."""
+    """Error of the sliding velocity over that before, by the relative error of the normal force: that share of v₁ − v₂,
+    and |v₂| ≤ |v₁|."""
     return 2.0 * estimated
 
 

@@ -29,8 +29,8 @@ MARGIN = 10.0
 """Least accuracy over the error of coarse steps and the table of friction where they serve."""
 
 FINER = 2
-"""Segments of the recorded lines over those with which their ends meet the accuracy, as the force between is less exact:
-up to 1e-3 of a damped one (tests/test_friction_estimate.py)."""
+"""Segments of the recorded lines over those with which their ends meet the accuracy, as the force between is less
+exact: up to 1e-3 of a damped one (tests/test_friction_estimate.py)."""
 
 AT_ONCE = 64
 """Impacts whose motion is sampled at a time, which a processor's cache holds."""
@@ -48,7 +48,8 @@ class Normal(NamedTuple):
 
     def of(self, rows: Any) -> Normal:
         """Some of them."""
-        return Normal(*(values[rows] for values in self))
+        own = self.rebound[rows], self.duration[rows], self.estimated[rows]
+        return Normal(self.status[rows], self.segments[rows], *own)
 
 
 def coarseness(solver: Solver) -> int:
@@ -61,8 +62,8 @@ def by_springs(problem: Problem, normal: Normal, solver: Solver) -> Iterator[tup
     """Places of impacts, their results along the surface, regimes, and estimates (nan if nothing slides).
 
     Springs are doubled until the estimate meets the accuracy, or `springs.MODELLED` if the law yields; where the exact
-    solution is not coarse there are as many as possible from the start, for results that are smooth over the impacts. Impacts without a record
-    are left out.
+    solution is not coarse there are as many as possible from the start, for results that are smooth over the impacts.
+    Impacts without a record are left out.
     """
     accuracy = solver.accuracy or DEFAULT_ACCURACY
     levels = springs.LEVELS if coarseness(solver) else springs.LEVELS[-1:]
@@ -105,7 +106,9 @@ class _Motions:
         return times, force, *_radii(problem, curves, depth, force)
 
 
-def _radii(problem: Problem, curves: list[tuple[Index, native.Curve]], depth: Array, force: Array) -> tuple[Array, Array]:
+def _radii(
+    problem: Problem, curves: list[tuple[Index, native.Curve]], depth: Array, force: Array
+) -> tuple[Array, Array]:
     """Contact radii, as in :func:`film_model.oblique.friction.contact_radii`, of a law that yields under the first
     model; and the powers."""
     powers, radius = np.empty(len(depth)), np.empty(depth.shape)

@@ -13,13 +13,15 @@ import numpy as np
 from matplotlib.figure import Figure
 
 import film_model as fm
+from film_datasets.reference_impacts.cases import cases, scene_of
 from film_model.plot.style import COLOURS, HIGHLIGHT, picture
 from film_model.solve.simulate import simulate_quietly
 from film_model.studies.tangential_models import MODELS, theory
 
 EXAMPLES = Path(__file__).parent
 DOCS = EXAMPLES.parent / "docs"
-SCENE, MEASURED = (EXAMPLES / "measurements" / name for name in ("alumina_on_glass.toml", "kharaz_2001.csv"))
+FILES = ("alumina_on_glass.toml", "kharaz_2001.csv", "glass_on_glass.csv")
+SCENE, MEASURED, GLASS = (EXAMPLES / "measurements" / name for name in FILES)
 
 COMPARED = {"mindlin": "Mindlin's spring", "mindlin_rescale/force": "rescaled", "hooke": "Hooke", "rigid": "rigid"}
 """Models of the table, and their headings."""
@@ -35,6 +37,15 @@ FINITE_ELEMENTS = (
     *((3.970, -1.720), (4.755, -1.707), (5.758, -1.200), (7.124, 0.133), (9.118, 2.147)),
 )
 """Wu's finite elements, elastic, ν = 0.3: κψ₁ = tan θ/µ and κψ₂, as digitised for Kratos (benchmark5_graph1)."""
+
+FRICTION, WALTON, RESTITUTION = 0.092, 0.44, 0.97
+"""Of glass on glass in the chart below: friction, β₀ and normal restitution."""
+
+PLATEAUS = (
+    *(("soda-lime glass", (0.25, None), "0.44 ± 0.07"), ("chrome steel", (0.3, None), "0.54 ± 0.05")),
+    ("soda-lime glass on aluminium", (0.25, 0.33), "0.31 ± 0.06"),
+)
+"""Bodies, Poisson's ratios (of both if they differ; their moduli are alike), and β₀ of the chart."""
 
 SIZE, DPI = (10.0, 4.4), 110
 
@@ -82,12 +93,34 @@ Difference of the models from the theory in ψ₂, over 0 < ψ₁ ≤ 6 and for 
 
 {models}
 
+## Glass on glass
+
+24 impacts of balls of 3.18 mm on each other at 0.6 to 1.3 m/s, by the method of Foerster, Louge, Chang & Allia (1994);
+14 of them do not slide throughout. The source is a worksheet of Louge's laboratory at Cornell, as transcribed by
+svenviktorjonsson/rigid-body-collisions (`examples/measurements/`). The laboratory's chart of 1999, by the same
+transcription, has µ = 0.092, e = 0.97 and β₀ = 0.44 of Walton's model, −β₀ ψ₁ or sliding. film-model takes µ and
+ν = 0.25; Walton's β₀ is fitted to such impacts.
+
+{glass}
+
+Walton's β₀ beside the largest −ψ₂/ψ₁ of the theory, which is elastic; on aluminium e is 0.83:
+
+{plateaus}
+
 ## Finite elements
 
 Elastic ball, ν = 0.3, µ = 0.3, 5 m/s (Wu; test 5 of Chung & Ooi 2011): tangential velocity of the contact point over
 µ V_n.
 
 {elements}
+
+## Test cases of Chung & Ooi in closed form
+
+Tests 3 to 8 (2011, *Granular Matter* 13:643) in the [reference impacts](reference_impacts.md), where a formula is
+exact: test 3 gives the restitution, and contacts that slide throughout have v₂/v₁ = 1 − 4χ/ψ₁. In test 7 the contact
+points move alike, and nothing slides.
+
+{cases}
 """
 
 
@@ -148,10 +181,11 @@ def plain_rows(scene: fm.Scene, name: str, values: list[tuple[float, float]], un
     return table(["angle, °", f"measured, {unit}", f"film-model, {unit}"], rows)
 
 
-def alike(ratio: float = 0.3) -> fm.Scene:
-    """A ball on a half-space of the same material."""
+def alike(ratio: float = 0.3, other: float | None = None) -> fm.Scene:
+    """A ball on a half-space of the same material, or of another Poisson's ratio."""
     steel = {"youngs_modulus": "210 GPa", "poissons_ratio": ratio, "density": "7850 kg/m^3"}
-    return fm.Scene(fm.Sphere("5 mm", "3 m/s", material=steel), fm.HalfSpace(steel))
+    target = steel | {"poissons_ratio": ratio if other is None else other}
+    return fm.Scene(fm.Sphere("5 mm", "3 m/s", material=steel), fm.HalfSpace(target))
 
 
 def model_rows(chi: float) -> str:
@@ -172,6 +206,58 @@ def element_rows(kappa: float) -> str:
     own = kappa * theory(alike(), points[:, 0] / kappa)
     rows = [[f"{x:.3f}", f"{y:.3f}", f"{z:.3f}"] for (x, y), z in zip(FINITE_ELEMENTS, own, strict=True)]
     return table(["tan θ/µ", "finite elements", "film-model"], rows)
+
+
+def case_rows() -> str:
+    """Tests of Chung & Ooi whose results are known in closed form."""
+    rows = list[list[str]]()
+    for name, case in cases().items():
+        if not name.startswith("chung-ooi"):
+            continue
+        history = simulate_quietly(scene_of(case))
+        oblique, given = history.oblique, history.scene.contact.parameters.get("restitution")
+        if given is not None:
+            exact = "coefficient of restitution", float(given), history.summary["coefficient_of_restitution"]
+        elif oblique is not None and oblique.sliding_regime == "slides throughout":
+            found, before = oblique.summary, oblique.motion["sliding_velocity"][0]
+            slid = 1.0 - 4.0 * found["tangential_parameter"] / found["impact_number"]
+            exact = "v₂/v₁", slid, found["contact_point_rebound_velocity"] / before
+        else:
+            continue
+        rows.append([name.removeprefix("chung-ooi-"), exact[0], *(f"{value:.6f}" for value in exact[1:])])
+    return table(["test", "result", "exact", "film-model"], rows)
+
+
+def walton(before: np.ndarray, chi: float) -> np.ndarray:
+    """ψ₂ of Walton's model."""
+    slid = before - 2.0 * chi * (1.0 + RESTITUTION)
+    return np.maximum(-WALTON * before, slid)
+
+
+def glass_rows() -> str:
+    """Impacts of glass on glass below ψ₁ = 4χ − 1, and what each model is off by."""
+    lines = [line for line in GLASS.read_text("utf-8").splitlines() if not line.startswith("#")]
+    normal, sliding, _, after = np.loadtxt(lines[1:], delimiter=",", unpack=True)
+    chi = 7.0 * (1.0 - 0.25) / (2.0 * (2.0 - 0.25))
+    unit = 3.5 / (2.0 * chi) * FRICTION * normal
+    before, seen = sliding / unit, after / unit
+    order = np.argsort(before)[: int((before < 4.0 * chi - 1.0).sum())]
+    before, seen = before[order], seen[order]
+    found = {"film-model": theory(alike(0.25), before), "Walton": walton(before, chi)}
+    found |= {COMPARED[name]: MODELS[name](chi, before) for name in COMPARED}
+    columns = (before, seen, *found.values())
+    cells = [[f"{value:.2f}" for value in row] for row in zip(*columns, strict=True)]
+    rms = (f"{math.sqrt(float(np.mean((values - seen) ** 2))):.2f}" for values in found.values())
+    return table(["ψ₁", "measured ψ₂", *found], [*cells, ["rms difference", "", *rms]])
+
+
+def plateau_rows() -> str:
+    """Walton's β₀, measured, beside the theory."""
+    before, rows = np.linspace(1.0, 4.5, 71), list[list[str]]()
+    for name, (ratio, other), value in PLATEAUS:
+        after = theory(alike(ratio, other), before)
+        rows.append([name, value, f"{float((-after / before).max()):.2f}"])
+    return table(["bodies", "measured β₀", "film-model"], rows)
 
 
 def draw(figure: Figure, scene: fm.Scene, found: Mapping[str, float], values: list[tuple[float, float]]) -> None:
@@ -213,7 +299,10 @@ def main(folder: Path = DOCS) -> tuple[Path, Path]:
         spin=plain_rows(scene, "rebound_spin", values["rebound_spin"], "rad/s", -1.0),
         angle=plain_rows(scene, "rebound_angle", values["rebound_angle"], "°", math.radians(1.0)),
         models=model_rows(parameter),
+        glass=glass_rows(),
+        plateaus=plateau_rows(),
         elements=element_rows(kappa),
+        cases=case_rows(),
     )
     page, drawn = folder / "oblique.md", folder / "oblique.png"
     page.write_text(text, encoding="utf-8")

@@ -23,8 +23,9 @@ SLOW = 1e-7
 TABLE = Path(__file__).parent / "oblique" / "hertz.npy"
 """Made by `python examples/friction_table.py`."""
 
-COARSE_ERROR = 1e-8
-"""Of coarse sliding velocities over those before, and of forces and their times in the table; measured in tests."""
+EXACT, COARSE, QUICK = range(3)
+ERRORS = (0.0, 1e-8, 1e-5)
+"""Of sliding velocities over those before, and the second of forces and their times in the table; measured in tests."""
 
 _EVENTS, _STEPS, _COLUMNS, _PER_STEP = 48, 1500, 6, 4
 _D, _I = c.c_double, c.c_int32
@@ -65,7 +66,7 @@ def _library() -> Any:
     lib, pointer, i64 = native.library(), c.c_void_p, c.c_int64
     lib.film_friction.argtypes = [pointer, _D, _D, c.c_int, pointer, pointer, _I, _I, pointer]
     lib.film_friction.restype = c.c_int
-    lib.film_friction_many.argtypes = [i64, *[pointer] * 5]
+    lib.film_friction_many.argtypes = [i64, *[pointer] * 3, c.c_int, *[pointer] * 2]
     lib.film_friction_many.restype = None
     sizes = (c.c_int64 * 3)()
     lib.film_friction_sizes(sizes)
@@ -82,15 +83,15 @@ def impact(normal: Normal, rate: float, velocity: float) -> tuple[int, Result, A
     return status, result, rows[: count.value].copy()
 
 
-def many(normal: NDArray[Any], rate: Array, velocity: Array, coarse: bool = False) -> NDArray[Any]:
-    """Results (MANY_DTYPE) of many impacts (NORMAL_DTYPE). coarse: errors up to `COARSE_ERROR`,
-    with those under Hertz's law alone from a table."""
+def many(normal: NDArray[Any], rate: Array, velocity: Array, coarse: int = EXACT) -> NDArray[Any]:
+    """Results (MANY_DTYPE) of many impacts (NORMAL_DTYPE). coarse: EXACT, COARSE or QUICK, for `ERRORS`; unless EXACT,
+    those under Hertz's law alone are from a table."""
     normal = np.ascontiguousarray(normal, NORMAL_DTYPE)
     rate, velocity = (np.ascontiguousarray(values, np.float64) for values in (rate, velocity))
     found: NDArray[Any] = np.empty(normal.size, MANY_DTYPE)
-    tabled = _table().ctypes.data if coarse else None
+    table = _table().ctypes.data if coarse else None
     at = [array.ctypes.data for array in (normal, rate, velocity)]
-    _library().film_friction_many(normal.size, *at, tabled, found.ctypes.data)
+    _library().film_friction_many(normal.size, *at, coarse, table, found.ctypes.data)
     return found
 
 

@@ -47,12 +47,12 @@ class Springs(c.Structure):
 
 class Impact(c.Structure):
     """film_springs_impact_result. velocity: at the end. force, step: largest friction force, and after how many steps.
-    apart: largest difference of the velocity at any time to that of half as many springs and steps. slack: what the
-    friction force lacks to its limit, a share of the impulses. regime: place in `film_model.oblique.result.REGIMES`.
+    error: of the velocity at any time, from half and a quarter of the springs and steps. slack: what the friction force
+    lacks to its limit, a share of the impulses. regime: place in `film_model.oblique.result.REGIMES`.
     watch: of the phases; of the first one only without a motion."""
 
     _fields_ = (
-        *((name, _D) for name in ("velocity", "force", "apart", "slack")),
+        *((name, _D) for name in ("velocity", "force", "error", "slack")),
         *(("step", c.c_int64), ("regime", _I), ("reserved", _I), ("watch", Watch)),
     )
 
@@ -86,7 +86,7 @@ def energy(state: Springs) -> float:
 def impact(
     count: int, numbers: Sequence[float], friction: Array, step: float, force: Array, radius: Array, rows: bool = False
 ) -> tuple[Impact | None, Array]:
-    """An impact in an even number of steps of a time, and over it the sliding velocity, the friction force and the
+    """An impact in a multiple of 4 steps of a time, and over it the sliding velocity, the friction force and the
     radius inside which all sticks, (times, 3), empty without `rows`; no impact for numbers out of range.
 
     numbers: modulus, power, mass and velocity. friction: pairs of speed and coefficient, (pairs, 2). force, radius:

@@ -42,12 +42,18 @@ EXACT, ROUNDED = 1e-10, 1e-14
 
 
 def oblique_of(
-    scene: Scene, problem: Problem, rebound: float | None, sample: Callable[[Array], Any], duration: float
+    scene: Scene,
+    problem: Problem,
+    rebound: float | None,
+    sample: Callable[[Array], Any],
+    duration: float,
+    estimated: float,
 ) -> Oblique | None:
     """The tangential part of an impact whose normal motion is known; None without friction, or if nothing slides.
 
     rebound: normal velocity after the impact, m/s; None if contact did not end. sample: the normal motion at times, SI.
-    duration: of the contacts, s. Raises SimulationError for a contact that does not end, sticks or creeps.
+    duration: of the contacts, s. estimated: relative error of the normal motion. Raises SimulationError for a contact
+    that does not end, sticks or creeps.
     """
     given = sliding_of(scene)
     if given is None:
@@ -59,7 +65,7 @@ def oblique_of(
         return _without_friction(scene, given, problem, rebound)
     force = exact_force(problem)
     found = None if force is None else _exactly(scene, given, problem, force, rebound)
-    return found or _by_springs(scene, given, problem, rebound, sample, duration)
+    return found or _by_springs(scene, given, problem, rebound, sample, duration, estimated)
 
 
 def refuse(problem: Problem) -> None:
@@ -134,7 +140,13 @@ def _without_friction(scene: Scene, given: Sliding, problem: Problem, rebound: f
 
 
 def _by_springs(
-    scene: Scene, given: Sliding, problem: Problem, rebound: float, sample: Callable[[Array], Any], duration: float
+    scene: Scene,
+    given: Sliding,
+    problem: Problem,
+    rebound: float,
+    sample: Callable[[Array], Any],
+    duration: float,
+    estimated: float,
 ) -> Oblique:
     """By springs; under two models of the stiffness along the surface if the law yields."""
     times = np.linspace(0.0, duration, springs.STEPS + 1)
@@ -150,7 +162,7 @@ def _by_springs(
     if regime == THROUGHOUT:
         ends = [slid(given, float(normal_impulse(scene, problem, rebound, duration)))]
     events = tuple((time, KINDS[kind]) for time, kind in first.phases)
-    error = first.estimated / abs(given.velocity)
+    error = first.estimated / abs(given.velocity) + springs.error_of_force(estimated)
     most = int(np.argmax(np.abs(first.force)))
     summary = results(scene, given, rebound, ends[0], (abs(float(first.force[most])), float(times[most])))
     found = Oblique(summary, regime, events, motion, error)

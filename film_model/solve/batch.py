@@ -244,7 +244,7 @@ def simulate_many(scene: Scene, columns: Mapping[str, Array], solver: Solver | N
         from film_model.solve.many_friction import oblique_of_many
         from film_model.solve.many_springs import Normal
 
-        normal = Normal(status, segments, summary["rebound_velocity"], summary["contact_duration"])
+        normal = Normal(status, segments, summary["rebound_velocity"], summary["contact_duration"], estimated)
         oblique, left = oblique_of_many(problems, normal, solver)
         for row in left.tolist():
             _one_oblique(oblique, scene, columns, row, solver)

@@ -17,9 +17,9 @@ from film_model.laws.law import Power
 from film_model.oblique.friction import CLOSED, THROUGHOUT, exact_error, exact_force, numbers_of, refuse, results
 from film_model.oblique.result import OBLIQUE, REGIMES
 from film_model.problem.problem import Problem
-from film_model.scene import DEFAULT_ACCURACY, Solver
+from film_model.scene import Solver
 from film_model.scene.rolling import sliding_of
-from film_model.solve.many_springs import COARSE, Normal, by_springs
+from film_model.solve.many_springs import Normal, by_springs, coarseness
 
 
 @dataclass(frozen=True)
@@ -59,7 +59,7 @@ def oblique_of_many(problems: Iterable[Problem], normal: Normal, solver: Solver)
     SimulationError as :func:`oblique_of`.
     """
     found, ended = ManyOblique.none_of(normal.status.size), normal.status == native.EVENT
-    left, coarse = ended.copy(), (solver.accuracy or DEFAULT_ACCURACY) >= COARSE
+    left, coarse = ended.copy(), coarseness(solver)
     for problem in problems:
         refuse(problem)
         rows = rows_of(problem)
@@ -85,7 +85,7 @@ def _by_springs(found: ManyOblique, problem: Problem, normal: Normal, solver: So
 
 
 def _exactly(
-    found: ManyOblique, problem: Problem, rebound: Array, ended: NDArray[np.bool_], coarse: bool
+    found: ManyOblique, problem: Problem, rebound: Array, ended: NDArray[np.bool_], coarse: int
 ) -> NDArray[np.bool_]:
     """The exact results of a problem, or coarse ones; which of its impacts are done with."""
     scene, count, force = problem.impacts.scene, rebound.size, exact_force(problem)
@@ -101,7 +101,7 @@ def _exactly(
     result: NDArray[Any] = np.zeros(count, core.MANY_DTYPE)
     normals = _normals(problem, force, count)[solved]
     result[solved] = core.many(normals, column(rate, count)[solved], before[solved], coarse)
-    missed = solved & ((result["status"] != native.OK) | (result["closure"] > CLOSED))
+    missed = solved & ((result["status"] != native.OK) | (result["closure"] > max(CLOSED, 10.0 * core.ERRORS[coarse])))
     unit, scales = given.friction * given.ratio, problem.scales
     after = either(solved, result["velocity"] * unit * scales.velocity, given.velocity)
     peak = result["force"] * given.friction * scales.force, result["time_of_force"] * scales.time
@@ -110,7 +110,9 @@ def _exactly(
     error = np.where(solved, exact_error(problem, np.where(solved, before, 1.0)), 0.0)
     if coarse:
         closed = (result["steps"] == 0) & (regime == REGIMES.index(THROUGHOUT))
-        error = np.where(solved & ~closed, np.maximum(error, core.COARSE_ERROR), error)
+        tabled = (result["steps"] == 0) | (coarse == core.COARSE)
+        least = np.where(tabled, core.ERRORS[core.COARSE], core.ERRORS[core.QUICK])
+        error = np.where(solved & ~closed, np.maximum(error, least), error)
     known = slides & ~missed
     summary = {name: column(value, count)[known] for name, value in values.items()}
     found.known(rows_of(problem)[known], summary, regime[known], error[known])

@@ -12,8 +12,9 @@ from numpy.typing import NDArray
 from film_model.base.arrays import Array, Index, column
 from film_model.core import native
 from film_model.core import springs as core
-from film_model.core.friction import COARSE_ERROR
+from film_model.core.friction import COARSE, ERRORS, EXACT, QUICK
 from film_model.core.records import Lines, recorded, sample_many
+from film_model.core.solving import MOST_SEGMENTS
 from film_model.oblique import springs
 from film_model.oblique.friction import THROUGHOUT, elastic_radius, normal_impulse, radius_beyond_yield, results, slid
 from film_model.oblique.result import REGIMES
@@ -24,42 +25,56 @@ from film_model.scene.rolling import sliding_of
 from film_model.solve.accuracy import mesh_of
 from film_model.solve.many_meshes import recorded_segments
 
-COARSE = 10.0 * COARSE_ERROR
-"""Accuracy from which coarse steps, the table of friction and few springs serve."""
+MARGIN = 10.0
+"""Least accuracy over the error of coarse steps and the table of friction where they serve."""
+
+FINER = 2
+"""Segments of the recorded lines over those with which their ends meet the accuracy, as the force between is less
+exact: up to 1e-3 of a damped one (tests/test_friction_estimate.py)."""
 
 AT_ONCE = 64
 """Impacts whose motion is sampled at a time, which a processor's cache holds."""
 
 
 class Normal(NamedTuple):
-    """Normal motions. status: the core's. segments: of the march. rebound: m/s. duration: of contact, s."""
+    """Normal motions. status: the core's. segments: of the march. rebound: m/s. duration: of contact, s. estimated:
+    relative error."""
 
     status: NDArray[np.int32]
     segments: NDArray[np.int32]
     rebound: Array
     duration: Array
+    estimated: Array
 
     def of(self, rows: Any) -> Normal:
         """Some of them."""
-        return Normal(self.status[rows], self.segments[rows], self.rebound[rows], self.duration[rows])
+        own = self.rebound[rows], self.duration[rows], self.estimated[rows]
+        return Normal(self.status[rows], self.segments[rows], *own)
+
+
+def coarseness(solver: Solver) -> int:
+    """How coarse the exact solution may be: EXACT, COARSE or QUICK."""
+    accuracy = solver.accuracy or DEFAULT_ACCURACY
+    return max(level for level in (EXACT, COARSE, QUICK) if accuracy >= MARGIN * ERRORS[level])
 
 
 def by_springs(problem: Problem, normal: Normal, solver: Solver) -> Iterator[tuple[Index, dict[str, Array], Any, Any]]:
     """Places of impacts, their results along the surface, regimes, and estimates (nan if nothing slides).
 
-    Springs are doubled until the estimate meets the accuracy, or `springs.MODELLED` if the law yields; below `COARSE`
-    there are as many as possible from the start, for results that are smooth over the impacts. Impacts without a record
-    are left out.
+    Springs are doubled until the estimate meets the accuracy, or `springs.MODELLED` if the law yields; where the exact
+    solution is not coarse there are as many as possible from the start, for results that are smooth over the impacts.
+    Impacts without a record are left out.
     """
     accuracy = solver.accuracy or DEFAULT_ACCURACY
-    levels = springs.LEVELS if accuracy >= COARSE else springs.LEVELS[-1:]
+    levels = springs.LEVELS if coarseness(solver) else springs.LEVELS[-1:]
     tolerance = accuracy if problem.curve.reversible else max(accuracy, springs.MODELLED)
     for begin in range(0, normal.status.size, AT_ONCE):
         places = np.arange(begin, min(begin + AT_ONCE, normal.status.size))
         part, motion = problem.part(places), normal.of(places)
         found = _followed(_Motions(part, motion.segments, motion.duration, solver), motion.rebound, tolerance, levels)
-        known, summary, regime, estimated = found
-        yield places[known], {name: value[known] for name, value in summary.items()}, regime[known], estimated[known]
+        known, summary, regime, error = found
+        estimated = error[known] + springs.error_of_force(motion.estimated[known])
+        yield places[known], {name: value[known] for name, value in summary.items()}, regime[known], estimated
 
 
 @dataclass(frozen=True)
@@ -77,8 +92,9 @@ class _Motions:
         problem, times = self.problem.part(places), np.linspace(0.0, 1.0, steps + 1) * self.durations[places, None]
         scales = problem.scales.part((slice(None), None))
         ahead, values = times / scales.time, np.full((5, *times.shape), np.nan)
-        own = recorded_segments(problem, self.solver, self.segments[places])
-        for of, curve in _curves(problem):
+        own, curves = recorded_segments(problem, self.solver, self.segments[places]), list(_curves(problem))
+        own = np.minimum(FINER * own, MOST_SEGMENTS)
+        for of, curve in curves:
             for counts in sorted(set(map(tuple, own[of].tolist()))):
                 alike, mesh = of[(own[of] == counts).all(axis=1)], mesh_of(self.solver, counts)
                 for part, lines in recorded(curve, mesh, problem.start[alike]):
@@ -87,14 +103,16 @@ class _Motions:
                     values[:, some] = sample_many(curve, lines, ahead[some])
         seen = motion_of(scales, problem.drift[:, None], problem.share[:, None], problem.free, times, values)
         force, depth = np.maximum(seen["contact_force"], 0.0), seen["indentation"]
-        return times, force, *_radii(problem, depth, force)
+        return times, force, *_radii(problem, curves, depth, force)
 
 
-def _radii(problem: Problem, depth: Array, force: Array) -> tuple[Array, Array]:
+def _radii(
+    problem: Problem, curves: list[tuple[Index, native.Curve]], depth: Array, force: Array
+) -> tuple[Array, Array]:
     """Contact radii, as in :func:`film_model.oblique.friction.contact_radii`, of a law that yields under the first
     model; and the powers."""
     powers, radius = np.empty(len(depth)), np.empty(depth.shape)
-    for of, curve in _curves(problem):
+    for of, curve in curves:
         powers[of] = core.power(curve)
         if problem.curve.reversible:
             own = problem.part(of)
@@ -117,7 +135,7 @@ def _curves(problem: Problem) -> Iterator[tuple[Index, native.Curve]]:
 
 
 def _followed(
-    motions: _Motions, rebound: Array, tolerance: float, levels: tuple[int, ...]
+    motions: _Motions, rebound: Array, tolerance: float, levels: tuple[tuple[int, int], ...]
 ) -> tuple[NDArray[np.bool_], dict[str, Array], Any, Array]:
     """Which impacts have a record, their results, regimes and estimates."""
     problem, count = motions.problem, rebound.size
@@ -127,18 +145,18 @@ def _followed(
     names, alike = ("modulus", "mass", "velocity"), given.table is not None
     numbers = np.array([column(getattr(given, name), count) for name in names]).T
     pairs = given.pairs if alike else np.stack([np.zeros(count), column(given.friction, count)], axis=1)[:, None]
-    after, peak, when, apart = np.full((4, count), np.nan)
+    after, peak, when, error = np.full((4, count), np.nan)
     regime = np.full(count, -1, np.int8)
     left = np.arange(count)
-    for level in levels:
-        for row, t, f, r, power in zip(left.tolist(), *motions.at(left, 8 * level), strict=True):
+    for level, steps in levels:
+        for row, t, f, r, power in zip(left.tolist(), *motions.at(left, steps), strict=True):
             modulus, *others = numbers[row].tolist()
             table = pairs if alike else pairs[row]
             run, *_ = core.impact(level, (modulus, float(power), *others), table, float(t[1]), f, r)
             if run is not None:
-                after[row], peak[row], apart[row] = run.velocity, run.force, springs.SAFETY * run.apart
+                after[row], peak[row], error[row] = run.velocity, run.force, springs.SAFETY * run.error
                 when[row], regime[row] = t[run.step], run.regime
-        left = left[apart[left] > tolerance * abs(numbers[left, 2])]
+        left = left[error[left] > tolerance * abs(numbers[left, 2])]
         if left.size == 0:
             break
     impulse, friction = (
@@ -150,4 +168,4 @@ def _followed(
     found = results(scene, given, rebound, after, (peak, when))
     summary = {name: column(value, count) for name, value in found.items()}
     with np.errstate(divide="ignore", invalid="ignore"):
-        return after == after, summary, regime, apart / abs(numbers[:, 2])
+        return after == after, summary, regime, error / abs(numbers[:, 2])

@@ -117,7 +117,8 @@ def simulate_chosen(choice: Choice, solver: Solver) -> History:
         """The motion at ascending times; in flights as where they begin, which needs no sum over the modes."""
         return history.sample_si(times if on is None else on.in_contact(times))
 
-    found = oblique_of(history.scene, history.problem, rebound, pressed, history.duration)
+    own = history.duration, history.accuracy.estimated
+    found = oblique_of(history.scene, history.problem, rebound, pressed, *own)
     return replace(history, oblique=found)
 
 

@@ -67,11 +67,12 @@ def _impacts(scene: Scene, columns: Mapping[str, Array]) -> ManyOblique:
     """The tangential parts of impacts; none of those on targets that vibrate."""
     count, solver = len(next(iter(columns.values()))), Solver(ACCURACY)
     status, segments = np.full(count, native.BAD_NUMBER, np.int32), np.zeros((count, 2), np.int32)
-    rebound, duration = np.full((2, count), np.nan)
+    rebound, duration, estimated = np.full((3, count), np.nan)
     problems = problems_of(scene, columns, count, status)
     for problem in problems:
         rows, made = rows_of(problem), march_many(problem, solver)
         values = summary_of(problem, made.status, made.core)
         status[rows], segments[rows] = made.status, made.segments
         rebound[rows], duration[rows] = values["rebound_velocity"], values["contact_duration"]
-    return oblique_of_many(problems, Normal(status, segments, rebound, duration), solver)[0]
+        estimated[rows] = made.estimated
+    return oblique_of_many(problems, Normal(status, segments, rebound, duration, estimated), solver)[0]

@@ -4,11 +4,11 @@
 #include <math.h>
 #include <string.h>
 
-enum { MOST_PIECES = 16, ROOT_STEPS = 60 };
+enum { MOST_PIECES = 16 };
 enum { NOTHING, ENDS, TURNS, CORNER, CAUGHT }; /* how a step ends */
 
-/* terms left out at first touch, and impulses at the end of contact, over the scale; exact and coarse */
-static const double ROUNDING[2] = {1e-16, 1e-10};
+/* terms left out at first touch, and impulses at the end of contact, over the scale; exact, coarse and quick */
+static const double ROUNDING[3] = {1e-16, 1e-10, 3e-7};
 static const double CLEAR = 10.0;     /* changes of the remaining way, in which no event falls if none is so near */
 static const double SLOW = 1e-7;      /* D' over approach, below which all is proportional to it, within as much */
 static const double SMALLEST = 1e-6;  /* depth, over D' over approach, below which nothing has stuck that matters */
@@ -168,16 +168,12 @@ static void watch_at(impact *in, const film_taylor *of, const film_powers *at) {
 
 /* Keeps the largest |q|: at the end of a step, or where its slope changes sign within. */
 static void watch_force(impact *in, const film_taylor *of, const film_powers *end) {
-    double low = 0.0, high = end->t, sense = of->q[1];
+    double slope[FILM_TERMS] = {0.0};
     film_powers at;
     watch_at(in, of, end);
-    if (sense * film_friction_sum(of->q, end->slope) >= 0.0) return;
-    for (int step = 0; step < ROOT_STEPS; step++) {
-        film_friction_powers(0.5 * (low + high), &at);
-        if (sense * film_friction_sum(of->q, at.slope) > 0.0) low = at.t;
-        else high = at.t;
-    }
-    film_friction_powers(high, &at);
+    if (of->q[1] * film_friction_sum(of->q, end->slope) >= 0.0) return;
+    for (int k = 1; k < FILM_TERMS; k++) slope[k - 1] = copysign(k, of->q[1]) * of->q[k];
+    film_friction_powers(fmin(film_friction_root(slope, end), end->t), &at);
     watch_at(in, of, &at);
 }
 
@@ -324,7 +320,7 @@ static void next_phase(impact *in, int event) {
 static void touch(impact *in, double velocity) {
     int stick = fabs(velocity) <= 1.0;
     in->part = stick ? velocity : copysign(1.0, velocity);
-    double first = film_friction_first(&in->rule.normal, ROUNDING[in->rule.coarse]);
+    double first = film_friction_first(&in->rule.normal, ROUNDING[in->rule.coarse > 0]);
     in->now = film_friction_touched(&in->rule, in->part, first, velocity);
     in->velocity = velocity;
     in->rule.sign = copysign(1.0, velocity);
@@ -379,7 +375,7 @@ int film_friction(const film_normal *normal, double rate, double velocity, int c
     own.coefficient = normal->coefficient * pow(depth, own.exponent + 1.0) / (a * a);
     velocity /= a * factor;
     if (!isfinite(own.slope + own.coefficient + own.exponent + own.gamma + own.load + velocity)) return FILM_BAD_NUMBER;
-    impact in = {.rule = {.normal = own, .rate = rate, .coarse = coarse != 0}, .result = result};
+    impact in = {.rule = {.normal = own, .rate = rate, .coarse = coarse}, .result = result};
     in.rows = rows, in.per_step = per_step, in.room = room;
     in.scale = fmin(fabs(velocity), 1.0);
     touch(&in, velocity);

@@ -13,8 +13,11 @@
 
 #include "film_core.h"
 
+#if !defined(FILM_FRICTION_ORDER) /* film_friction_quick.c defines a lower one */
+#define FILM_FRICTION_ORDER 20
+#endif
+
 enum {
-    FILM_FRICTION_ORDER = 20,
     FILM_FRICTION_EVENTS = 48,    /* most phases of one impact; elastic impacts have up to seven */
     FILM_FRICTION_STEPS = 1500,   /* most steps of one impact; usual are 20 to 80 */
     FILM_FRICTION_COLUMNS = 6
@@ -38,11 +41,16 @@ typedef struct {
     int32_t phases, steps, regime, reserved;
 } film_friction_result;
 
-/* One impact, with D' = velocity at first touch. coarse: 1 for errors up to 1e-8 of a velocity above 0.01 approach, in half the steps. rows: room for `room` rows of time, z, D, D', q and the depth c outside which
+/* One impact, with D' = velocity at first touch. coarse: 1 for errors up to 1e-8 of a velocity above 0.01 approach, in half the steps;
+ * 2 for 1e-5, as film_friction_quick. rows: room for `room` rows of time, z, D, D', q and the depth c outside which
  * the contact slips (z if it sticks), `per_step` in each step and the end, or null; *count is their number.
  * FILM_OK; FILM_BAD_NUMBER for numbers out of range; FILM_TOO_MANY events or steps; FILM_FULL: more rows than room. */
 FILM_API int film_friction(const film_normal *normal, double rate, double velocity, int coarse, film_friction_result *result,
                            double *rows, int32_t per_step, int32_t room, int32_t *count);
+
+/* The same, faster if coarse is 2; it may fail where film_friction does not. */
+int film_friction_quick(const film_normal *normal, double rate, double velocity, int coarse, film_friction_result *result,
+                        double *rows, int32_t per_step, int32_t room, int32_t *count);
 
 /* Of one impact of many. steps: 0 where none was needed. */
 typedef struct {
@@ -50,9 +58,9 @@ typedef struct {
     int32_t status, regime, steps, reserved;
 } film_friction_brief;
 
-/* count impacts. table: of Hertz's law (film_friction_many.c), or null for none; with it, steps are coarse. */
+/* count impacts. coarse: as above. table: of Hertz's law (film_friction_many.c), which holds them if coarse is not 0. */
 FILM_API void film_friction_many(int64_t count, const film_normal *normals, const double *rates, const double *velocities,
-                                 const double *table, film_friction_brief *results);
+                                 int coarse, const double *table, film_friction_brief *results);
 
 /* sizeof film_normal, film_friction_result, film_friction_brief. */
 FILM_API void film_friction_sizes(int64_t sizes[3]);

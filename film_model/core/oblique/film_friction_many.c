@@ -14,6 +14,7 @@ enum { CORNER, BELOW, ABOVE, FORCE, TIME, EARLY, LATE = EARLY + 3, OUTWARD = LAT
 enum { MOST_TERMS = 32 };
 
 static const double FEWEST = 0.01; /* psi, below which coarse steps would be too coarse; test of coarse steps */
+static const double CLOSED = 1e-4; /* of a motion with errors of 1e-5: beyond, an event was missed */
 static const double PI = 3.14159265358979323846;
 static const double LEAST_CHI = 0.8, MOST_CHI = 1.751, LAST_CHI = 1.9; /* of the table; where ABOVE ends */
 static const double EARLIEST = 0.15;                                  /* (psi - 1)/(2 chi - 1) up to which EARLY holds */
@@ -77,11 +78,11 @@ static int known(const film_normal *normal, double rate, double velocity, const 
     return 1;
 }
 
-static void one(const film_normal *normal, double rate, double velocity, const double *table, film_friction_brief *to) {
+static void one(const film_normal *normal, double rate, double velocity, int coarse, const double *table, film_friction_brief *to) {
     double approach = normal->approach;
     film_friction_result found;
     memset(to, 0, sizeof *to);
-    if (film_friction_sound(normal, rate, velocity) && known(normal, rate, velocity / approach, table, to)) {
+    if (film_friction_sound(normal, rate, velocity) && known(normal, rate, velocity / approach, coarse ? table : NULL, to)) {
         double depth = film_friction_depth(normal);
         to->velocity *= approach;
         to->force *= approach * approach / depth;
@@ -90,15 +91,17 @@ static void one(const film_normal *normal, double rate, double velocity, const d
         to->status = FILM_BAD_NUMBER;
         return;
     }
-    int coarse = table && fabs(velocity) > FEWEST * approach;
-    to->status = film_friction(normal, rate, velocity, coarse, &found, NULL, 1, 0, NULL);
+    if (fabs(velocity) <= FEWEST * approach) coarse = 0;
+    int quick = coarse == 2 && film_friction_quick(normal, rate, velocity, 2, &found, NULL, 1, 0, NULL) == FILM_OK;
+    quick = quick && found.closure <= CLOSED;
+    to->status = quick ? FILM_OK : film_friction(normal, rate, velocity, coarse ? 1 : 0, &found, NULL, 1, 0, NULL);
     to->velocity = found.velocity, to->force = found.force, to->time_of_force = found.time_of_force;
     to->closure = found.closure, to->steps = found.steps, to->regime = found.regime;
 }
 
 void film_friction_many(int64_t count, const film_normal *normals, const double *rates, const double *velocities,
-                        const double *table, film_friction_brief *results) {
-    for (int64_t i = 0; i < count; i++) one(&normals[i], rates[i], velocities[i], table, &results[i]);
+                        int coarse, const double *table, film_friction_brief *results) {
+    for (int64_t i = 0; i < count; i++) one(&normals[i], rates[i], velocities[i], coarse, table, &results[i]);
 }
 
 void film_friction_sizes(int64_t sizes[3]) {

@@ -14,8 +14,9 @@
 
 enum { ROOT_STEPS = 80 }; /* bisections that leave no double between, with a margin */
 
-/* last terms of a step, over the scale, exact and coarse; 30 reference values need 1e-13 */
-static const double TOLERANCE[2] = {1e-15, 1e-10};
+/* last terms of a step, over the scale, exact, coarse and quick; 30 reference values need 1e-13 */
+static const double TOLERANCE[3] = {1e-15, 1e-10, 3e-7};
+static const double ROUNDED = 4e-16; /* of a root, relative: Newton's steps are rounding from there on */
 static const double LONGEST = 0.5; /* of a step, in units of time: a few steps in a contact, which takes about 3 */
 
 double film_friction_force(const film_normal *normal, double z, double *slope) {
@@ -229,7 +230,7 @@ double film_friction_length(const film_phase_rule *rule, const film_taylor *of, 
     double last[2] = {0.0, 0.0}, h = LONGEST;
     watch_terms(of->nu, 1.0, last);
     watch_terms(of->v, scale, last);
-    if (rule->kind == FILM_STICKS) watch_terms(of->q, scale, last);
+    if (rule->kind == FILM_STICKS || rule->coarse == 2) watch_terms(of->q, scale, last); /* quick steps are long */
     if (rule->kind == FILM_SLIPS) {
         watch_terms(of->P, scale, last);
         watch_terms(of->c, 1.0, last);
@@ -270,7 +271,8 @@ static double value_at(const double *series, double t, double *slope) {
     return sum;
 }
 
-/* Where a series falls through 0 between low, where it is positive, and high: Newton, within the bracket. */
+/* Where a series falls through 0, or within rounding of it, between low, where it is positive, and high: Newton, within the
+ * bracket. */
 static double between(const double *series, double low, double high) {
     double t = 0.5 * (low + high);
     for (int step = 0; step < ROOT_STEPS; step++) {
@@ -278,6 +280,7 @@ static double between(const double *series, double low, double high) {
         if (value > 0.0) low = t;
         else high = t;
         double next = slope < 0.0 ? t - value / slope : low;
+        if (fabs(next - t) <= ROUNDED * t) return fmax(next, t);
         if (!(next > low && next < high)) next = 0.5 * (low + high);
         if (next == t || next <= low || next >= high) break;
         t = next;
@@ -291,8 +294,9 @@ double film_friction_root(const double *series, const film_powers *end) {
     if (film_friction_sum(series, end->value) <= 0.0) return between(series, 0.0, h);
     if (series[1] >= 0.0 || film_friction_sum(series, end->slope) <= 0.0) return 2.0 * h;
     for (int step = 0; step < ROOT_STEPS && high > low; step++) { /* it falls and rises: its least value may be below 0 */
-        double slope, middle = 0.5 * (low + high);
-        if (value_at(series, middle, &slope) <= 0.0) return between(series, 0.0, middle);
+        double slope, middle = 0.5 * (low + high), value = value_at(series, middle, &slope);
+        if (value <= 0.0) return between(series, 0.0, middle);
+        if (value > fabs(slope) * (high - low)) break; /* above 0 by the tangent, and twice as far */
         if (slope < 0.0) low = middle;
         else high = middle;
     }

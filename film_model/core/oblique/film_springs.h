@@ -54,19 +54,19 @@ FILM_API double film_friction_at(const double *table, int32_t rows, double speed
 /* The coefficient of the next step: that at the speed which the present friction force leads to, with an error of its square. */
 FILM_API void film_springs_take(film_springs *state, double time, const double *table, int32_t rows);
 
-/* One impact: velocity at the end; force, step: largest |q|, and after how many steps; apart: largest difference of the velocity, at
- * any time, to that of half as many springs in half as many steps; slack: what the friction force lacks to its limit, a share of the
+/* One impact: velocity at the end; force, step: largest |q|, and after how many steps; error: of the velocity, at any
+ * time, as the largest differences to half and from there to a quarter of the springs and steps tell; slack: what the friction force lacks to its limit, a share of the
  * impulses. regime: of film_friction.h, by the first phase and the slack. watch: of the phases; without room for the motion it ends
  * with the first one. */
 typedef struct {
-    double velocity, force, apart, slack;
+    double velocity, force, error, slack;
     int64_t step;
     int32_t regime, reserved;
     film_watch watch;
 } film_springs_impact_result;
 
 /* An impact from first touch on in steps of a time; force, radius: before the first step and after each. friction, rows: as above.
- * steps: even. count: of springs, even. motion: room for three values at each time of `force`, sliding velocity, friction force and
+ * steps: multiple of 4. count: of springs, multiple of 4. motion: room for three values at each time of `force`, sliding velocity, friction force and
  * the radius inside which all sticks; or null. FILM_OK or FILM_BAD_NUMBER as film_springs_init. */
 FILM_API int film_springs_impact(int32_t count, double modulus, double power, double mass, double velocity, const double *friction, int32_t rows,
                                  double time, int64_t steps, const double *force, const double *radius,

@@ -262,9 +262,9 @@ function runOnModes(scene, n, problem, samples, slides) {
   const last = (outcome.events.at(-1)?.time ?? 0) / p.time;
   const sample = (/** @type {Float64Array} */ times) => sampleModes(outcome, problem, times);
   const motion = sampledAt(scene, problem, [last, ...outcome.events.map((event) => event.time / p.time)], samples, sample);
-  const oblique = slides ? obliqueOf(scene, n, problem, summary, outcome.events.at(-1)?.time ?? 0, sample) : null;
-  CORE.top = outcome.top;
   const error = outcome.error + law.fit_error;
+  const oblique = slides ? obliqueOf(scene, n, problem, summary, { duration: outcome.events.at(-1)?.time ?? 0, error }, sample) : null;
+  CORE.top = outcome.top;
   return { summary, warnings, error, counts: [], segments: outcome.count, modes: outcome.structure.count, motion, oblique, status: separated ? EVENT : 0, law };
 }
 

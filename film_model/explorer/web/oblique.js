@@ -9,10 +9,10 @@
 
 /**
  * The motion along the surface; null without friction, or if nothing slides.
- * @param {Scene} scene @param {any} n @param {Problem} problem @param {Record<string, number>} summary @param {number} duration s
- * @param {(times: Float64Array) => {values: Float64Array}} sample the normal motion at times of the march @returns {Oblique|null}
+ * @param {Scene} scene @param {any} n @param {Problem} problem @param {Record<string, number>} summary
+ * @param {{duration: number, error: number}} own of the normal motion, s and relative @param {(times: Float64Array) => {values: Float64Array}} sample it, at times of the march @returns {Oblique|null}
  */
-function obliqueOf(scene, n, problem, summary, duration, sample) {
+function obliqueOf(scene, n, problem, summary, own, sample) {
   const { along } = scene.base;
   if (!along || scene.values["contact.friction"] === null) return null;
   const x = entriesOf(scene);
@@ -21,7 +21,7 @@ function obliqueOf(scene, n, problem, summary, duration, sample) {
   if (Number.isNaN(summary.rebound_velocity)) throw new Unsupported("friction needs a contact that ends");
   const found =
     given.friction === 0 ? frictionless(given)
-    : exactFriction(given, problem) ?? frictionOfSprings(scene, n, problem, given, summary.rebound_velocity, duration, sample);
+    : exactFriction(given, problem) ?? frictionOfSprings(scene, n, problem, given, summary.rebound_velocity, own, sample);
   const { regimes } = DATA.constants.friction;
   return {
     summary: FORMULAS[along.oblique](x, summary.rebound_velocity, found.after, ...found.peak),
@@ -89,10 +89,11 @@ function phasesAt(view, at, layout, count, unit) {
 /**
  * By springs beside each other that slip, under two models of the stiffness along the surface if the law yields.
  * @param {Scene} scene @param {any} n @param {Problem} problem @param {any} given
- * @param {number} rebound m/s @param {number} duration @param {(times: Float64Array) => {values: Float64Array}} sample
+ * @param {number} rebound m/s @param {{duration: number, error: number}} own @param {(times: Float64Array) => {values: Float64Array}} sample
  */
-function frictionOfSprings(scene, n, problem, given, rebound, duration, sample) {
+function frictionOfSprings(scene, n, problem, given, rebound, own, sample) {
   const { p, law, curve } = problem;
+  const { duration } = own;
   const { springs, steps, safety } = DATA.constants.friction;
   const time = Float64Array.from({ length: steps + 1 }, (_, k) => (k === steps ? duration : k * (duration / steps)));
   const { values } = sample(time.map((t) => t / p.time));
@@ -104,7 +105,7 @@ function frictionOfSprings(scene, n, problem, given, rebound, duration, sample) 
     : [elasticRadii(curve, p, force, depth, n.effective_modulus)];
   const power = CORE.c.film_springs_power(curve);
   const runs = radii.map((radius) => followSprings(springs, { ...given, power }, time, force, radius));
-  const [{ velocity, friction, largest, step, apart, regime, events }] = runs;
+  const [{ velocity, friction, largest, step, error, regime, events }] = runs;
   const impulse = n.impactor_mass * (n.speed - rebound) + p.load * p.force * duration; // of the normal force
   const slid = given.velocity - (Math.sign(given.velocity) * given.friction * impulse) / given.mass;
   const ends = regime === 2 ? [slid] : runs.map((run) => run.velocity[steps]);
@@ -113,7 +114,7 @@ function frictionOfSprings(scene, n, problem, given, rebound, duration, sample) 
     peak: [largest, time[step]],
     regime,
     events,
-    error: (safety * apart) / Math.abs(given.velocity),
+    error: (safety * error) / Math.abs(given.velocity) + 2 * own.error, // as error_of_force in Python
     motion: { time, sliding_velocity: velocity, friction_force: friction },
     low: Math.min(...ends),
     high: Math.max(...ends),
@@ -154,9 +155,9 @@ function followSprings(count, { modulus, power, friction, mass, velocity }, time
   const rows = new Float64Array(c.memory.buffer, found, 3 * time.length);
   const [v, q] = [0, 1].map((which) => time.map((_, k) => rows[3 * k + which]));
   const view = CORE.view();
-  const [largest, apart] = ["force", "apart"].map((name) => view.getFloat64(result + springs[name], true));
+  const [largest, error] = ["force", "error"].map((name) => view.getFloat64(result + springs[name], true));
   const [regime, events] = [view.getInt32(result + springs.regime, true), phasesAt(view, result + springs.watch, watch, watch.events, 1)];
-  const run = { velocity: v, friction: q, largest, apart, regime, events, step: Number(view.getBigInt64(result + springs.step, true)) };
+  const run = { velocity: v, friction: q, largest, error, regime, events, step: Number(view.getBigInt64(result + springs.step, true)) };
   CORE.top = top;
   return run;
 }

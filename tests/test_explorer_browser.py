@@ -100,7 +100,7 @@ def off(history, found):
     depth = summary["maximum_indentation"] or 0.0
     least = dict.fromkeys(("energy_absorbed", "energy_radiated"), scene.kinetic_energy)
     least |= {"rebound_velocity": 1e-3 * scene.approach_velocity, "coefficient_of_restitution": 1e-3}
-    least |= {"permanent_indentation": 1e-3 * depth}
+    least |= {"permanent_indentation": 1e-2 * depth}  # a difference of two depths
     worst = 0.0
     creeping = creeps(*(result["coefficient_of_restitution"] for result in (summary, found["summary"])))
     for name, value in summary.items():

@@ -16,7 +16,11 @@ _PLY = "Daniel & Ishai 2006, table A.4, modulus across the plies, as isotropic: 
 _CARBIDE = "nominal handbook value of sintered grades, Poisson's ratio 0.21 to 0.24"
 _CERAMIC = "Callister, Materials Science and Engineering, appendix B; breaks before it yields"
 _PLASTIC = "Callister, Materials Science and Engineering, appendix B, middle of the range"
+_NO_HARDNESS = (
+    "no hardness: numbers of ISO 2039-1 are over the depth under load, H/2.8 would be about 0.6 of the yield strength"
+)
 _ASHBY = "loss factor: 0.04 GPa/E, Ashby, Materials Selection in Mechanical Design, within a factor of 2"
+_LOSS_ALONE = f"{_ASHBY}; {_NO_HARDNESS}"
 
 ROWS: tuple[Row, ...] = (
     *METALS,
@@ -177,7 +181,7 @@ ROWS: tuple[Row, ...] = (
         _POLYMER,
         loss=0.03,
         surface=0.041,
-        more=f"{DAMPING}; surface energy: Wu 1982, Polymer Interface and Adhesion",
+        more=f"{DAMPING}; {_NO_HARDNESS}; surface energy: Wu 1982, Polymer Interface and Adhesion",
         words=("acrylic", "acrylic glass", "plexiglas", "plexiglass", "perspex", "polymethyl methacrylate"),
     ),
     Row(
@@ -188,11 +192,21 @@ ROWS: tuple[Row, ...] = (
         62,
         _POLYMER,
         loss=0.017,
-        more=_ASHBY,
+        more=_LOSS_ALONE,
         words=("PC", "makrolon", "lexan"),
     ),
     *(
-        Row(name, modulus, ratio, density, strength, _PLASTIC, loss=round(0.04 / modulus, 3), more=_ASHBY, words=words)
+        Row(
+            name,
+            modulus,
+            ratio,
+            density,
+            strength,
+            _PLASTIC,
+            loss=round(0.04 / modulus, 3),
+            more=_LOSS_ALONE,
+            words=words,
+        )
         for name, modulus, ratio, density, strength, words in (
             ("polyethylene, high density", 1.08, 0.46, 959, 30, ("HDPE", "PE-HD")),
             ("polypropylene", 1.35, 0.40, 905, 34, ("PP",)),
@@ -202,7 +216,17 @@ ROWS: tuple[Row, ...] = (
         )
     ),
     *(
-        Row(name, modulus, 0.35, density, strength, _POLYMER, loss=round(0.04 / modulus, 3), more=_ASHBY, words=words)
+        Row(
+            name,
+            modulus,
+            0.35,
+            density,
+            strength,
+            _POLYMER,
+            loss=round(0.04 / modulus, 3),
+            more=_LOSS_ALONE,
+            words=words,
+        )
         for name, modulus, density, strength, words in (
             ("polyoxymethylene", 3.1, 1410, 69, ("POM", "acetal", "delrin")),
             ("ABS", 2.3, 1050, 40, ("acrylonitrile butadiene styrene",)),
@@ -217,7 +241,7 @@ ROWS: tuple[Row, ...] = (
         _POLYMER + ", dry",
         loss=0.014,
         surface=0.0465,
-        more=f"{_ASHBY}; surface energy: Wu 1982, Polymer Interface and Adhesion",
+        more=f"{_LOSS_ALONE}; surface energy: Wu 1982, Polymer Interface and Adhesion",
         words=("nylon", "PA", "PA66", "PA 66", "PA 6/6", "polyamide", "polyamide 6/6"),
     ),
     *(

@@ -13,6 +13,7 @@ _CALLISTER = "Callister, Materials Science and Engineering, appendix B: {} state
 _SHIGLEY = "Shigley's Mechanical Engineering Design, table A-20: {}"
 _WEAK = "hardness: a supplier's list, nominal"
 _MONEL = "hardness: Special Metals, annealed bar, middle of 110 to 149 HB, by ISO 18265 for steels"
+_BY_HARDENING = "no hardness: the flow stress follows from the hardening"
 _TANTALUM = "hardness: steeldata.info, from 873 MPa; 50 to 200 HV by other suppliers"
 
 METALS: tuple[Row, ...] = (
@@ -239,7 +240,7 @@ METALS: tuple[Row, ...] = (
         175,
         "Johnson & Cook 1983, A of Armco iron, elastic constants of Callister, appendix B",
         0.060,
-        more="C and hardening: Johnson & Cook 1983",
+        more=f"C and hardening: Johnson & Cook 1983; {_BY_HARDENING}",
         words=("pure iron",),
         johnson_cook=(175, 380, 0.32),
     ),
@@ -357,7 +358,7 @@ METALS: tuple[Row, ...] = (
         163,
         "Johnson & Cook 1983, A of Nickel 200, elastic constants of Callister, appendix B",
         0.006,
-        more="C and hardening: Johnson & Cook 1983",
+        more=f"C and hardening: Johnson & Cook 1983; {_BY_HARDENING}",
         words=("nickel",),
         johnson_cook=(163, 648, 0.33),
     ),

@@ -647,6 +647,43 @@ def test_an_address_is_read_as_it_was_written(shown, address):
     assert "scene, impactor.radius, law" in strange.inner_text("#said")
 
 
+@pytest.mark.parametrize("name", ["nickel 200", "Armco iron", "tool steel S-7, 50 HRC", "mild steel", "polycarbonate"])
+def test_a_material_by_name_gives_what_run_gives(shown, tmp_path, name):
+    """With hardness and hardening, also in the file and the address; a yield strength replaces a hardness."""
+    scene = fm.Scene.from_table({"impactor": BALL, "target": {"kind": "half-space", "material": "aluminium"}})
+    write_page(tmp_path / "impact.html", scene)
+    window = shown((tmp_path / "impact.html").as_uri())
+    window.select_option("#material-target", name)
+    window.wait_for_timeout(350)
+    fragment = window.evaluate("location.hash").removeprefix("#")
+    ((found, text),) = window.evaluate(SUMMARIES, [fragment])
+    expected, used = scene.replace({"target.material": name}), fm.Scene.from_text(text)
+    history, _ = simulated(expected, found)
+    assert found["law"] == "elastoplastic" and off(history, found) < ON_MODES
+    for entry in ("hardness", "yield_strength", "strain_hardening_exponent"):
+        assert getattr(used.target.material, entry) == getattr(expected.target.material, entry), entry
+    window.click("summary:has-text('material values') >> nth=1")
+    for path, value in (("strain_hardening_exponent", "0.15"), ("hardness", "1 GPa"), ("yield_strength", "300 MPa")):
+        window.fill(f"#entry-target-material-{path}", value)
+        window.keyboard.press("Tab")
+    assert window.input_value("#entry-target-material-hardness") == ""
+    window.wait_for_timeout(350)
+    fragment = window.evaluate("location.hash").removeprefix("#")
+    ((found, text),) = window.evaluate(SUMMARIES, [fragment])
+    history, _ = simulated(fm.Scene.from_text(text), found)
+    changed = history.scene.target.material
+    assert (changed.hardness, changed.yield_strength, changed.strain_hardening_exponent) == (None, 300e6, 0.15)
+    assert off(history, found) < ON_MODES
+
+
+def test_a_hardness_that_contradicts_a_yield_strength_is_refused(shown, address):
+    fragment = "scene=ball-on-half-space-of-no-name&target.material.hardness=1e10&target.material.yield_strength=2e8"
+    ((found, text),) = shown(address).evaluate(SUMMARIES, [fragment])
+    assert "hardness and yield strength of the target contradict each other" in found["reason"]
+    with pytest.raises(SceneError, match=r"it gives a flow stress of 3\.57 GPa"):
+        fm.Scene.from_text(text)
+
+
 def test_the_python_script_of_the_page_runs(shown, address):
     window = shown(address)
     window.fill("#title", 'a "b" \\ """ \n é')

@@ -105,7 +105,7 @@ def numbers_function(name: str, template: Scene, paths: Sequence[str]) -> str:
     outputs["largest_force"] = wave_losses.largest_force(scene)
     outputs |= {"family": family_number(scene), "yield_velocities": yield_velocities(scene)}
     known_rate = scene.rate_hardening
-    outputs |= dict.fromkeys(RATE_LAW, math.nan) if known_rate is None else _named_rate_law(known_rate)
+    outputs |= dict.fromkeys(RATE_LAW, math.nan) if known_rate is None else dict(zip(RATE_LAW, known_rate, strict=True))
     outputs["yield_velocity"] = math.nan
     if scene.yield_strength is not None and scene.effective_modulus is not None:
         given = scene.effective_modulus, scene.effective_radius, scene.yield_strength, scene.effective_mass
@@ -132,10 +132,6 @@ def contradiction_function(name: str) -> str:
     recording = Recording()
     given = recording.symbol("hardness"), recording.symbol("strength")
     return recording.function(name, "hardness, strength", {"contradicts": contradicts(*given)})
-
-
-def _named_rate_law(law: RateHardening) -> dict[str, Any]:
-    return dict(zip(RATE_LAW, law, strict=True))
 
 
 def replace_effects(scene: Scene, effects: Effects) -> Scene:

@@ -20,7 +20,7 @@ from scipy.stats import qmc
 DESIGNED = 80
 EVERY_COARSE = 8
 WIDEST = 0.25  # a/R that is expected at most
-FINE, COARSE = Mesh(elements=27, slowness=80.0), Mesh(elements=18, slowness=80.0)
+FINE, COARSE = Mesh(elements=27, slowness=40.0), Mesh(elements=18, slowness=40.0)
 
 
 @dataclass(frozen=True)

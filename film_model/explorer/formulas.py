@@ -104,8 +104,8 @@ def numbers_function(name: str, template: Scene, paths: Sequence[str]) -> str:
     outputs["waves"], outputs["waves_yielding"] = (wave_losses.impedance_of(scene, yields) for yields in (False, True))
     outputs["largest_force"] = wave_losses.largest_force(scene)
     outputs |= {"family": family_number(scene), "yield_velocities": yield_velocities(scene)}
-    known_rate = scene.rate_hardening
-    outputs |= dict.fromkeys(RATE_LAW, math.nan) if known_rate is None else dict(zip(RATE_LAW, known_rate, strict=True))
+    rate = [math.nan] * len(RATE_LAW) if scene.rate_hardening is None else scene.rate_hardening
+    outputs |= dict(zip(RATE_LAW, rate, strict=True))
     outputs["yield_velocity"] = math.nan
     if scene.yield_strength is not None and scene.effective_modulus is not None:
         given = scene.effective_modulus, scene.effective_radius, scene.yield_strength, scene.effective_mass
@@ -119,11 +119,10 @@ def _changed(template: Scene, x: Mapping[str, Any]) -> Scene:
     columns = {path: value for path, value in x.items() if not path.endswith(".hardness")}
     for path in x.keys() - columns.keys():
         section = path.removesuffix("hardness")
-        body: Any = template.impactor if section.startswith("impactor") else template.target
+        body: Any = getattr(template, section.partition(".")[0])
         modulus = x.get(f"{section}youngs_modulus", body.material.youngs_modulus)
         strength = yield_of_flow(flow_of_hardness(x[path]), x[f"{section}strain_hardening_exponent"], modulus)
-        given = either(x[path] < math.inf, strength, x[f"{section}yield_strength"])
-        columns[f"{section}yield_strength"] = given
+        columns[f"{section}yield_strength"] = either(x[path] < math.inf, strength, x[f"{section}yield_strength"])
     return scene_of_columns(template, columns)
 
 

@@ -104,9 +104,11 @@ class Row(NamedTuple):
         rate = _RATE.search(self.target)
         if rate is None:
             return self
-        (constants,) = (constants for *constants, c in JOHNSON_COOK.values() if c == float(rate[1]))
-        exponent = f", strain_hardening_exponent = {johnson_cook_exponent(*constants, STEEL):.6f}"
-        return self._replace(target=f"{self.target[: rate.end()]}{exponent}{self.target[rate.end() :]}")
+        strength, coefficient, power, _ = next(steel for steel in JOHNSON_COOK.values() if steel[3] == float(rate[1]))
+        exponent = johnson_cook_exponent(strength, coefficient, power, STEEL)
+        return self._replace(
+            target=f"{self.target[: rate.end()]}, strain_hardening_exponent = {exponent:.6f}{self.target[rate.end() :]}"
+        )
 
     def with_hardness(self, vickers: float) -> Row:
         """The row with another hardness of its target."""

@@ -56,11 +56,19 @@ class Spread(NamedTuple):
     bias: float
 
     @classmethod
-    def of(cls, found: Sequence[Prediction]) -> Spread:
+    def of(cls, found: Iterable[Prediction]) -> Spread:
         """Of the values that were simulated, at least one."""
-        errors, bias = absolute(found), statistics.median(p.error for p in found if not math.isnan(p.value))
+        signed = [p.error for p in found if not math.isnan(p.value)]
+        errors = sorted(map(abs, signed))
         near = sum(error <= NEAR for error in errors) / len(errors)
-        return cls(len(errors), statistics.median(errors), errors[int(0.9 * len(errors))], near, errors[-1], bias)
+        return cls(
+            len(errors),
+            statistics.median(errors),
+            errors[int(0.9 * len(errors))],
+            near,
+            errors[-1],
+            statistics.median(signed),
+        )
 
 
 class Prediction(NamedTuple):

@@ -71,7 +71,7 @@ class Content:
         texts += [formulas.change_function("change", fixed), *formulas.vibrating_functions(fixed)]
         texts += [*formulas.hardening_functions(fixed), formulas.radius_function("contactRadius", fixed)]
         texts += [formulas.gravity_function("gravityChange", fixed), formulas.mass_function("sphereMass")]
-        texts.append(formulas.contradiction_function("strengths"))
+        texts += formulas.hardness_functions()
         self._functions |= {text: text for text in texts}
 
     @property
@@ -168,6 +168,11 @@ class Content:
             "judged": [effect.to_dict() for effect in choice.effects],
             "warnings": list(choice.warnings),
             "replaced": in_place_of(inputs),
+            "moduli": {
+                body: part.material.youngs_modulus
+                for body, part in (("impactor", scene.impactor), ("target", scene.target))
+                if part.material is not None
+            },
         }
 
     def _along(self, scene: Scene, paths: list[str]) -> dict[str, str] | None:

@@ -115,22 +115,18 @@ def numbers_function(name: str, template: Scene, paths: Sequence[str]) -> str:
 
 
 def _changed(template: Scene, x: Mapping[str, Any]) -> Scene:
-    """The scene with entries by path. A hardness that is not missing, infinite, gives the strength at first yield."""
-    columns = {path: value for path, value in x.items() if not path.endswith(".hardness")}
-    for path in x.keys() - columns.keys():
-        section = path.removesuffix("hardness")
-        body: Any = getattr(template, section.partition(".")[0])
-        modulus = x.get(f"{section}youngs_modulus", body.material.youngs_modulus)
-        strength = yield_of_flow(flow_of_hardness(x[path]), x[f"{section}strain_hardening_exponent"], modulus)
-        columns[f"{section}yield_strength"] = either(x[path] < math.inf, strength, x[f"{section}yield_strength"])
-    return scene_of_columns(template, columns)
+    """The scene with entries by path. A hardness is that of the yield strength: see `hardness_functions`."""
+    return scene_of_columns(template, {path: value for path, value in x.items() if not path.endswith(".hardness")})
 
 
-def contradiction_function(name: str) -> str:
-    """Whether a hardness and a yield strength contradict each other."""
-    recording = Recording()
-    given = recording.symbol("hardness"), recording.symbol("strength")
-    return recording.function(name, "hardness, strength", {"contradicts": contradicts(*given)})
+def hardness_functions() -> list[str]:
+    """The strength at first yield from a hardness; whether it contradicts a yield strength."""
+    r = Recording()
+    given = [r.symbol(name) for name in ("hardness", "exponent", "modulus")]
+    strength = yield_of_flow(flow_of_hardness(given[0]), *given[1:])
+    first = r.function("firstYield", "hardness, exponent, modulus", {"strength": strength})
+    wrong = contradicts(given[0], r.symbol("strength"))
+    return [first, r.function("strengths", "hardness, strength", {"contradict": wrong})]
 
 
 def replace_effects(scene: Scene, effects: Effects) -> Scene:

@@ -23,6 +23,8 @@ function entriesOf(scene) {
       const radius = entries[`${body}.radius`];
       entries[`${body}.mass`] = FORMULAS.sphereMass(radius, entries[`${body}.material.density`]).mass;
     }
+    const [modulus, hardness, exponent] = ["youngs_modulus", "hardness", "strain_hardening_exponent"].map((name) => entries[`${body}.material.${name}`]);
+    if (Number.isFinite(hardness)) entries[`${body}.material.yield_strength`] = FORMULAS.firstYield(hardness, exponent, modulus ?? scene.base.moduli[body]).strength;
   }
   return entries;
 }
@@ -33,9 +35,8 @@ function numbersOf(scene) {
   const [d11, d12, d22] = ["D11", "D12", "D22"].map((name) => x[`target.bending_stiffness.${name}`] ?? 0);
   if (d11 && d12 ** 2 >= d11 * d22) throw new Unsupported("D12 must be smaller than √(D11 D22): otherwise the plate has negative bending energy");
   for (const body of ["impactor", "target"]) {
-    const [hardness, strength] = [x[`${body}.material.hardness`], x[`${body}.material.yield_strength`]];
-    if (!Number.isFinite(hardness) || !Number.isFinite(strength) || !FORMULAS.strengths(hardness, strength).contradicts) continue;
-    throw new Unsupported(`hardness and yield strength of the ${body} contradict each other: leave one of them empty`);
+    const [hardness, strength] = ["hardness", "yield_strength"].map((name) => scene.values[`${body}.material.${name}`] ?? NaN);
+    if (FORMULAS.strengths(hardness, strength).contradict) throw new Unsupported(`hardness and yield strength of the ${body} contradict each other: leave one of them empty`);
   }
   /** @type {any} */
   const n = { ...FORMULAS[scene.base.numbers](x), chosen: scene.law, values: scene.values };

@@ -61,8 +61,8 @@ omitted modes are one stiff mode more, the ball rattles on the few modes of a st
 
 
 FEW_ROUGH = 0.001
-"""At most so many of the random scenes may differ by more than rounding explains, up to `ON_MODES`: a march under a damped
-law may end a line elsewhere."""
+"""At most so many of the random scenes may differ by more than rounding explains, up to `ON_MODES`: a march under a
+damped law may end a line elsewhere."""
 
 
 @pytest.fixture(scope="module")

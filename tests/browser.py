@@ -58,7 +58,8 @@ USUAL = 100
 OF_PLATES = (*PLATE, "target.damping_ratio")
 """Entries of plates that go together."""
 
-MATERIALS = ("youngs_modulus", "density", "yield_strength", "poissons_ratio")
+MATERIALS = ("youngs_modulus", "density", "yield_strength", "hardness", "poissons_ratio")
+OTHER_STRENGTH = {"yield_strength": "hardness", "hardness": "yield_strength"}
 
 
 @contextmanager
@@ -107,6 +108,8 @@ def _address(table, base, chance, as_given):
         if name == "strain_rate_coefficient":
             low, high = 0.001, 0.1  # metals have up to 0.06
         found[entry["path"]] = _between(low, high, entry["logarithmic"] and name != "poissons_ratio", chance)
+        if name in OTHER_STRENGTH:  # both together may contradict each other
+            found[entry["path"].replace(name, OTHER_STRENGTH[name])] = "null"
     names = [base["law"]] if as_given else ["auto", "auto", *(table["laws"][k]["name"] for k in base["laws"])]
     found["law"] = chance.choice(names)
     law = next((table["laws"][k] for k in base["laws"] if table["laws"][k]["name"] == found["law"]), {"live": []})

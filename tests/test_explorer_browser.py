@@ -60,6 +60,11 @@ FEW_UNSURE = 0.004
 omitted modes are one stiff mode more, the ball rattles on the few modes of a structure, up to hundreds of times."""
 
 
+FEW_ROUGH = 0.001
+"""At most so many of the random scenes may differ by more than rounding explains, up to `ON_MODES`: a march under a
+damped law may end a line elsewhere."""
+
+
 @pytest.fixture(scope="module")
 def browser():
     with chromium() as found:
@@ -100,7 +105,7 @@ def off(history, found):
     depth = summary["maximum_indentation"] or 0.0
     least = dict.fromkeys(("energy_absorbed", "energy_radiated"), scene.kinetic_energy)
     least |= {"rebound_velocity": 1e-3 * scene.approach_velocity, "coefficient_of_restitution": 1e-3}
-    least |= {"permanent_indentation": 1e-3 * depth}
+    least |= {"permanent_indentation": depth}  # a difference of two depths
     worst = 0.0
     creeping = creeps(*(result["coefficient_of_restitution"] for result in (summary, found["summary"])))
     for name, value in summary.items():
@@ -145,7 +150,7 @@ def test_random_scenes_equal_python(shown, everything, seed):
     address, table = everything
     addresses = random_addresses(table, 10_000 // SEEDS, seed)
     results = shown(address).evaluate(SUMMARIES, addresses)
-    compared, unsure = Counter(), []
+    compared, unsure, rough = Counter(), [], []
     for fragment, (found, text) in zip(addresses, results, strict=True):
         assert found["ignored"] == [], fragment
         try:
@@ -161,15 +166,16 @@ def test_random_scenes_equal_python(shown, everything, seed):
             assert here or unreached, (fragment, found)  # rounding may decide where contacts are too many
         elif not (warned and (history.accuracy.modes or history.problem.compliance)):
             compared[found["law"]] += 1
-            if check(history, factor, found, fragment):
+            if check(history, factor, found, fragment, rough):
                 unsure.append(fragment)
+    assert len(rough) <= FEW_ROUGH * len(addresses), rough
     assert len(unsure) <= FEW_UNSURE * len(addresses), unsure
     assert compared.total() > 0.85 * len(addresses)
     assert compared.keys() == {law["name"] for law in table["laws"]}
 
 
-def check(history, factor, found, fragment):
-    """The same law, the same effects and the same summary.
+def check(history, factor, found, fragment, rough=None):
+    """The same law, the same effects and the same summary. rough: takes the scenes of `FEW_ROUGH`.
 
     To 1e-12, or to the estimated rounding error where contact ends slowly, or to what the last digit of the velocity
     changes, where the march decides by it. Contacts on a target that vibrates follow
@@ -193,6 +199,9 @@ def check(history, factor, found, fragment):
             allowed = amplified(history) if same else found["error"] + history.accuracy.estimated
         if worst > allowed:
             allowed = SAME + 2.0 * shaken(history)  # the page and Python may lie on either side
+        if worst > allowed and rough is not None:
+            rough.append(fragment)
+            allowed = ON_MODES
     assert worst <= allowed, fragment
     unsure = allowed >= 1.0
     assert not unsure or any("is not reached" in text for text in found["warnings"]), fragment
@@ -645,6 +654,42 @@ def test_an_address_is_read_as_it_was_written(shown, address):
     assert again.input_value("#material-target") == "copper"
     strange = shown(f"{address}#scene=no&impactor.radius=-1&law=x&impactor.mass=&__proto__=1")
     assert "scene, impactor.radius, law" in strange.inner_text("#said")
+
+
+@pytest.mark.parametrize("name", ["nickel 200", "Armco iron", "tool steel S-7, 50 HRC", "mild steel", "polycarbonate"])
+def test_a_material_by_name_gives_what_run_gives(shown, tmp_path, name):
+    """With hardness and hardening, also in the file and the address; a yield strength replaces a hardness."""
+    scene = fm.Scene.from_table({"impactor": BALL, "target": {"kind": "half-space", "material": "aluminium"}})
+    write_page(tmp_path / "impact.html", scene)
+    window = shown((tmp_path / "impact.html").as_uri())
+    window.select_option("#material-target", name)
+    window.wait_for_timeout(350)
+    fragment = window.evaluate("location.hash").removeprefix("#")
+    ((found, text),) = window.evaluate(SUMMARIES, [fragment])
+    expected, used = scene.replace({"target.material": name}), fm.Scene.from_text(text)
+    history, _ = simulated(expected, found)
+    assert found["law"] == "elastoplastic" and off(history, found) < ON_MODES
+    for entry in ("hardness", "yield_strength", "strain_hardening_exponent"):
+        assert getattr(used.target.material, entry) == getattr(expected.target.material, entry), entry
+    window.click("summary:has-text('material values') >> nth=1")
+    for path, value in (("strain_hardening_exponent", "0.15"), ("hardness", "1 GPa"), ("yield_strength", "300 MPa")):
+        window.fill(f"#entry-target-material-{path}", value)
+        window.keyboard.press("Tab")
+    assert window.input_value("#entry-target-material-hardness") == ""
+    window.wait_for_timeout(350)
+    fragment = window.evaluate("location.hash").removeprefix("#")
+    ((found, text),) = window.evaluate(SUMMARIES, [fragment])
+    history, _ = simulated(fm.Scene.from_text(text), found)
+    changed = history.scene.target.material
+    assert (changed.hardness, changed.yield_strength, changed.strain_hardening_exponent) == (None, 300e6, 0.15)
+    assert off(history, found) < ON_MODES
+
+
+def test_a_hardness_that_contradicts_a_yield_strength_is_refused(shown, address):
+    fragment = "scene=ball-on-half-space-of-no-name&target.material.hardness=1e10&target.material.yield_strength=2e8"
+    ((found, text),) = shown(address).evaluate(SUMMARIES, [fragment])
+    assert "hardness and yield strength of the target contradict each other" in found["reason"]
+    assert text is None, "no file, which film-model would refuse"
 
 
 def test_the_python_script_of_the_page_runs(shown, address):

@@ -217,6 +217,27 @@ def test_a_yield_strength_alone_is_noted_once():
     assert not reasons(hardness="120 HV") and not reasons(yield_strength="250 MPa", strain_hardening_exponent=0.1)
 
 
+@pytest.mark.parametrize(
+    ("modulus", "ratio", "strength", "measured"),
+    [("2.4 GPa", 0.37, "66 MPa", 110e6), ("2.855 GPa", 0.35, "67 MPa", 125e6)],
+)
+def test_ball_indentation_of_plastics_follows_from_their_yield_strength(modulus, ratio, strength, measured):
+    """Polycarbonate of Kern GmbH (material 2301) and a supplier's POM-C: hardness of ISO 2039-1 from 358 N on a 5 mm
+    ball, computed with the yield strength of the same sheet; as a hardness it would give 0.6 to 0.7 of it."""
+    plastic = fm.Material("plastic", modulus, ratio, "1200 kg/m^3", strength)
+    ball = fm.Sphere("2.5 mm", "1 m/s", mass="1 kg", material="bearing steel")
+    law = law_named(fm.Scene(ball, fm.HalfSpace(plastic)), "elastoplastic").at()
+    length, unit = law.scales(0.0)
+    w = np.linspace(1.0, 30.0, 3000)
+    depth = np.interp(358.0, unit * law.stages()[-1].force(w), length * w)
+    found = 358.0 * 0.21e-3 / (depth - 0.25e-3 + 0.21e-3) / (math.pi * 5e-3 * 0.25e-3)
+    assert 1.0 < found / measured < 1.1
+    assert 0.55 < flow_of_hardness(measured) / plastic.yield_strength < 0.7
+    struck = fm.simulate(impact(youngs_modulus=modulus, yield_strength=strength, velocity="5 m/s"))
+    (said,) = (effect.reason for effect in struck.effects if effect.name == "plasticity")
+    assert "rises with the rate" in said and "give hardness" not in said
+
+
 def test_sweep_files_take_hardness_numbers():
     import film_datasets as fd
 

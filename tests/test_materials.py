@@ -36,6 +36,12 @@ def test_every_hardness_of_a_metal_has_a_source() -> None:
         assert found.initial_strength <= found.flow_strength
 
 
+def test_what_has_a_strength_has_a_hardness_or_says_why_not() -> None:
+    found = [m for m in catalogue().values() if m.yield_strength is not None and m.hardness is None]
+    assert len(found) == 11
+    assert all("no hardness: " in m.source for m in found)
+
+
 def test_crushing_strengths_are_those_of_their_sources() -> None:
     assert material("concrete").crushing_strength == (30 + 8) * 1e6  # f_cm = f_ck + 8 MPa
     assert material("ice").crushing_strength == pytest.approx(8.9e6 * 10**0.15, rel=5e-3)

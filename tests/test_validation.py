@@ -16,6 +16,7 @@ from film_model.studies.validation import (
     AUTO,
     BY_NAME,
     COMPLETE,
+    FAST,
     GROUPS,
     ROUGH,
     TESTED,
@@ -150,6 +151,10 @@ def test_the_default_meets_measured_values(rows):
     assert best.rows >= 70 and best.median <= 0.04 and best.most <= 0.10 and best.near >= 0.9
     assert best.median < 0.7 * slow.median, "rate hardening"
     assert named.rows >= 69 and named.median <= 0.08
+    fast, waves, hardening = (Spread.of(found[FAST + more]) for more in ("", ", waves forced", ", hardening"))
+    assert hardening.bias < 0.0 < waves.bias < fast.bias - 0.002 and fast.bias < 0.02, (
+        "what the page says of fast rebounds"
+    )
     held = Spread.of(p for p in found[COMPLETE] if p.row.held_out)
     assert held.median <= 0.04 and held.rows >= 20
     assert all(p.row.target in {f'"{name}"' for name in steels()} for p in found[BY_NAME])

@@ -9,7 +9,7 @@ import json
 import math
 import subprocess
 import tempfile
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from functools import cache
 from pathlib import Path
 
@@ -95,10 +95,13 @@ def design() -> list[Pair]:
 def main() -> None:
     parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
     parser.add_argument("folder", nargs="?", type=Path, default=Path("finite_element_pairs"))
-    folder = parser.parse_args().folder
+    parser.add_argument("--elements", type=int, default=FINE.elements, help="over the contact radius")
+    parser.add_argument("--slowness", type=float, default=FINE.slowness, help="as in run.Mesh")
+    options = parser.parse_args()
+    folder, fine = options.folder, replace(FINE, elements=options.elements, slowness=options.slowness)
     folder.mkdir(parents=True, exist_ok=True)
     for index, pair in enumerate(design()):
-        for suffix, mesh in {"": FINE, **({"_coarse": COARSE} if index % EVERY_COARSE == 0 else {})}.items():
+        for suffix, mesh in {"": fine, **({"_coarse": COARSE} if index % EVERY_COARSE == 0 else {})}.items():
             path = folder / f"{index:04d}{suffix}.json"
             if not path.exists():
                 part = path.with_suffix(".part")

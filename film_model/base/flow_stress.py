@@ -29,7 +29,7 @@ REPRESENTATIVE_STRAIN = 0.08
 MOST_HARDENING = 0.6
 """Largest strain hardening exponent n."""
 
-SETTLED, MOST_STEPS = 1e-12, 40
+SETTLED, MOST_STEPS = 1e-12, 12
 """Change of ln Y at which the iteration ends, after which its error is the square; about 6 steps are taken."""
 
 MOST_OVER_YIELD = 3.0
@@ -39,6 +39,12 @@ MOST_OVER_YIELD = 3.0
 def flow_of_hardness(hardness: Any) -> Any:
     """Flow stress at the representative strain, Pa. hardness: mean pressure over the projected area, Pa."""
     return hardness / CONSTRAINT
+
+
+def contradicts(hardness: Any, strength: Any) -> Any:
+    """Whether the flow stress from a hardness [Pa] is too far from a yield strength [Pa] for one material."""
+    flow = flow_of_hardness(hardness)
+    return (flow < (1.0 - SCATTER) * strength) | (flow > MOST_OVER_YIELD * strength)
 
 
 def flow_of_yield(strength: Any, exponent: Any, modulus: Any, strain: float = REPRESENTATIVE_STRAIN) -> Any:

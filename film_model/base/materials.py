@@ -16,6 +16,7 @@ from film_model.base.flow_stress import (
     MOST_HARDENING,
     MOST_OVER_YIELD,
     SCATTER,
+    contradicts,
     flow_of_hardness,
     flow_of_yield,
     johnson_cook_exponent,
@@ -161,14 +162,14 @@ class Material(InUnits):
             )
         if self.rate_multiplier is not None and self.strain_rate_coefficient is not None:
             found["rate_multiplier"] = "give it and rate_exponent, or strain_rate_coefficient, not both"
-        if self.hardness is not None and self.yield_strength is not None:
-            flow, least = flow_of_hardness(self.hardness), (1.0 - SCATTER) * self.yield_strength
-            if not least <= flow <= MOST_OVER_YIELD * self.yield_strength:
-                found["hardness"] = (
-                    f"it gives a flow stress of {format_si(flow, 'pressure', 3)}, and with the yield strength "
-                    f"{format_si(self.yield_strength, 'pressure', 3)} it must be from {1.0 - SCATTER:g} to "
-                    f"{MOST_OVER_YIELD:g} times that: correct one of them"
-                )
+        known = self.hardness is not None and self.yield_strength is not None
+        if known and contradicts(self.hardness, self.yield_strength):
+            flow, strength = flow_of_hardness(self.hardness), cast("float", self.yield_strength)
+            found["hardness"] = (
+                f"it gives a flow stress of {format_si(flow, 'pressure', 3)}, and with the yield strength "
+                f"{format_si(strength, 'pressure', 3)} it must be from {1.0 - SCATTER:g} to "
+                f"{MOST_OVER_YIELD:g} times that: correct one of them"
+            )
         return [mistake(self, name, message) for name, message in found.items()]
 
     @cached_property

@@ -21,6 +21,7 @@ from film_model.effects.trial import change, matters
 from film_model.laws.law import AbstractLaw, Stage
 from film_model.laws.yielding import LEAST_YIELD_STRAIN, MOST_YIELD_STRAIN, YIELD_PRESSURE_RATIO, yield_velocity
 from film_model.problem.law_of_scene import ASSUMED_POISSONS_RATIO, ELASTIC, YIELDING, can_yield, reaches_yield
+from film_model.problem.model_intervals import STIFFEST_POLYMER
 from film_model.problem.problem import Problem
 from film_model.scene.noses import elastic_radius
 
@@ -36,6 +37,11 @@ BY_YIELD_STRENGTH = (
     "restitution is 4 to 43 % too low for 29 metals of the catalogue at 2 m/s (median 20 %): give hardness"
 )
 """Measured with the body of a Leeb tester, by tests/test_hardness.py."""
+
+OF_POLYMER = (
+    "; the yield strength of a polymer rises with the rate: one of slow loading makes the restitution too low, a "
+    "hardness of ISO 2039-1 more so"
+)
 
 
 @dataclass(frozen=True)
@@ -129,7 +135,8 @@ def describe(problem: Problem, kept: bool, damps: bool = False) -> tuple[Effect,
         state, reason = NOT_NEEDED, f"the impact stays below the yield velocity {limit:.4g} m/s: law hertz"
     soft = scene.first_to_yield
     if yielding and state == SIMULATED and scene.contact.yield_strength is None and soft is not None:
-        reason += "" if soft.flow_known else BY_YIELD_STRENGTH
+        polymer = soft.youngs_modulus < STIFFEST_POLYMER
+        reason += OF_POLYMER if polymer else "" if soft.flow_known else BY_YIELD_STRENGTH
     source = "Big-Alabo, Cartmell & Harrison 2017, after (19): p_m = 1.1 S_y; marched with the law and with Hertz's"
     found = Effect("plasticity", "V/V_Y", ratio, 1.0, size, state, reason, source, cost)
     return found, _fully_plastic(problem, yielding, ratio)

@@ -186,8 +186,10 @@ def _open(static: Problem) -> tuple[float | None, str]:
     size = change(hard, slow)
     if math.isnan(size) or not (hard.trial.ends and slow.trial.ends):
         return None, ""
-    ends = (problem.trial.summary.final_velocity / problem.approach for problem in (hard, slow))
-    more = next(ends) / next(ends) - 1.0
+    after, before = (problem.trial.summary.final_velocity / problem.approach for problem in (hard, slow))
+    if before == 0.0:
+        return min(size, 1.0), ""
+    more = after / before - 1.0
     return min(size, 1.0), (
         f"; with C = {TYPICAL} of 4340 steel the coefficient of restitution would be {100.0 * more:.2g} % higher; C of "
         f"metals is {LEAST} to {MOST}"

@@ -10,6 +10,7 @@ from typing import Any, cast
 import numpy as np
 from numpy.polynomial import chebyshev
 
+from film_model.base.arrays import AGREEMENT
 from film_model.base.errors import STATUSES, Outcome, SimulationError
 from film_model.base.materials import catalogue
 from film_model.base.unit_symbols import SYMBOLS, parse_unit
@@ -21,11 +22,10 @@ from film_model.effects.choose import Choice, choose
 from film_model.effects.effect import COMPUTED, NOT_MODELLED, percent
 from film_model.effects.many import SURE
 from film_model.effects.rate_hardening import MOST_ROUNDS, SETTLED
-from film_model.effects.trial import change
 from film_model.effects.wave_losses import MOST_WEIGHT
 from film_model.explorer import formulas, support
 from film_model.explorer.formulas import LEAST_RESTITUTION
-from film_model.explorer.inputs import inputs_of, plate_inputs, with_yield_strengths
+from film_model.explorer.inputs import STRENGTH_ENTRIES, in_place_of, inputs_of, plate_inputs, with_exponents
 from film_model.explorer.laws import laws_of
 from film_model.oblique import friction as oblique
 from film_model.oblique import springs as rows
@@ -71,6 +71,7 @@ class Content:
         texts += [formulas.change_function("change", fixed), *formulas.vibrating_functions(fixed)]
         texts += [*formulas.hardening_functions(fixed), formulas.radius_function("contactRadius", fixed)]
         texts += [formulas.gravity_function("gravityChange", fixed), formulas.mass_function("sphereMass")]
+        texts += formulas.hardness_functions()
         self._functions |= {text: text for text in texts}
 
     @property
@@ -93,8 +94,11 @@ class Content:
             "laws": [table for _, table in self._laws.values()],
             "materials": {
                 name: {"youngs_modulus": m.youngs_modulus, "poissons_ratio": m.poissons_ratio, "density": m.density}
-                | {"yield_strength": m.flow_strength}
-                | {n: v for n in ("strain_rate_coefficient", "loss_factor") if (v := getattr(m, n)) is not None}
+                | {
+                    n: v
+                    for n in (*STRENGTH_ENTRIES, "strain_rate_coefficient", "loss_factor")
+                    if (v := getattr(m, n)) is not None
+                }
                 for name, m in catalogue().items()
             },
             "units": {symbol: [float(size), list(powers)] for symbol, (size, powers) in SYMBOLS.items()},
@@ -118,9 +122,8 @@ class Content:
         """A scene with what was decided for it."""
         if not scene.is_round:
             raise SimulationError("the page shows contacts of balls, and this is another: use film-model run")
-        whole, scene = scene, with_yield_strengths(scene)
+        scene = with_exponents(scene)
         choice = choose(scene)
-        hardening = change(choose(whole).light, choice.light) if whole.strain_hardening_exponent > 0.0 else 0.0
         if not choice.problem.approach > 0.0:
             raise SimulationError("the impactor has no velocity: there is no impact to show on a page")
         computed, why = support.computed(scene.target), not_simulated(choice)
@@ -164,7 +167,12 @@ class Content:
             "given": given(choice, reason) if reason else None,
             "judged": [effect.to_dict() for effect in choice.effects],
             "warnings": list(choice.warnings),
-            "hardening": hardening if hardening > scene.effect_tolerance else None,
+            "replaced": in_place_of(inputs),
+            "moduli": {
+                body: part.material.youngs_modulus
+                for body, part in (("impactor", scene.impactor), ("target", scene.target))
+                if part.material is not None
+            },
         }
 
     def _along(self, scene: Scene, paths: list[str]) -> dict[str, str] | None:
@@ -307,6 +315,7 @@ def _constants() -> dict[str, Any]:
         "settled": SETTLED,
         "most_rounds": MOST_ROUNDS,
         "yields": YIELDS,
+        "agreement": AGREEMENT,
         "accuracy": DEFAULT_ACCURACY,
         "tolerance": DEFAULT_TOLERANCE,
         "elastic": ELASTIC,

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.polynomial import chebyshev
 
 from film_model.base.arrays import either, logarithm
+from film_model.base.flow_stress import contradicts, flow_of_hardness, yield_of_flow
 from film_model.base.materials import Material, sphere_mass
 from film_model.base.rate_law import RateHardening
 from film_model.core import native
@@ -27,7 +28,7 @@ from film_model.explorer.inputs import PLATE
 from film_model.explorer.trace import Recording
 from film_model.laws.damping import loss_restitution
 from film_model.laws.example_ball import example_ball
-from film_model.laws.law import AbstractLaw, Stage
+from film_model.laws.law import AbstractLaw, Stage, law_fields
 from film_model.laws.yielding import yield_velocity
 from film_model.oblique.friction import exact_error, numbers_of, results
 from film_model.problem.curve import Curve
@@ -46,8 +47,8 @@ from film_model.scene.rolling import Sliding, sliding_of
 from film_model.targets import AbstractTarget
 
 FROM_SCENE = (
-    *("effective_modulus", "effective_radius", "yield_strength", "poissons_ratio", "elastic_share"),
-    "stressed_poissons_ratio",
+    *("effective_modulus", "effective_radius", "yield_strength", "flow_strength", "strain_hardening_exponent"),
+    *("poissons_ratio", "elastic_share", "stressed_poissons_ratio"),
 )
 """Properties of a scene, besides its :class:`Numbers`, that laws take."""
 
@@ -58,6 +59,7 @@ LEAST_RESTITUTION = 0.1
 """Of a damped law on the page: below it, the series for its damping converges slowly."""
 
 _SCALES = tuple(f.name for f in fields(Scales))
+_OF_LAW = ("widening", "elastic_share", "strain_hardening_exponent", "yield_strength")
 _PROBLEM = ("gamma", "load", "damping", "approach", "drift", "share", "mass")
 _START = ("approach", "gamma", "load", "stop_velocity", "limit", "damping")
 
@@ -89,7 +91,7 @@ class Scaled(AbstractLaw):
 def numbers_function(name: str, template: Scene, paths: Sequence[str]) -> str:
     """The numbers of a scene from its entries `x`, by path. `template` has the entries that are fixed."""
     recording = Recording()
-    scene = scene_of_columns(template, cast("Any", recording.symbols("x", paths)))
+    scene = _changed(template, recording.symbols("x", paths))
     numbers = Numbers.of(replace_effects(scene, Effects()), None)
     outputs: dict[str, Any] = {**numbers._asdict(), "weight": numbers.weight}
     outputs |= {"impactor_mass": scene.mass, "target_mass": scene.target.own_mass, "speed": scene.impactor.speed}
@@ -102,8 +104,8 @@ def numbers_function(name: str, template: Scene, paths: Sequence[str]) -> str:
     outputs["waves"], outputs["waves_yielding"] = (wave_losses.impedance_of(scene, yields) for yields in (False, True))
     outputs["largest_force"] = wave_losses.largest_force(scene)
     outputs |= {"family": family_number(scene), "yield_velocities": yield_velocities(scene)}
-    known_rate = scene.rate_hardening
-    outputs |= dict.fromkeys(RATE_LAW, math.nan) if known_rate is None else _named_rate_law(known_rate)
+    rate = [math.nan] * len(RATE_LAW) if scene.rate_hardening is None else scene.rate_hardening
+    outputs |= dict(zip(RATE_LAW, rate, strict=True))
     outputs["yield_velocity"] = math.nan
     if scene.yield_strength is not None and scene.effective_modulus is not None:
         given = scene.effective_modulus, scene.effective_radius, scene.yield_strength, scene.effective_mass
@@ -112,8 +114,19 @@ def numbers_function(name: str, template: Scene, paths: Sequence[str]) -> str:
     return recording.function(name, "x", known)
 
 
-def _named_rate_law(law: RateHardening) -> dict[str, Any]:
-    return dict(zip(RATE_LAW, law, strict=True))
+def _changed(template: Scene, x: Mapping[str, Any]) -> Scene:
+    """The scene with entries by path. A hardness is that of the yield strength: see `hardness_functions`."""
+    return scene_of_columns(template, {path: value for path, value in x.items() if not path.endswith(".hardness")})
+
+
+def hardness_functions() -> list[str]:
+    """The strength at first yield from a hardness; whether it contradicts a yield strength."""
+    r = Recording()
+    given = [r.symbol(name) for name in ("hardness", "exponent", "modulus")]
+    strength = yield_of_flow(flow_of_hardness(given[0]), *given[1:])
+    first = r.function("firstYield", "hardness, exponent, modulus", {"strength": strength})
+    wrong = contradicts(given[0], r.symbol("strength"))
+    return [first, r.function("strengths", "hardness, strength", {"contradict": wrong})]
 
 
 def replace_effects(scene: Scene, effects: Effects) -> Scene:
@@ -145,7 +158,7 @@ def problem_function(name: str, template: Scene, law: AbstractLaw, fixed: frozen
     outputs = {entry: getattr(problem.scales, entry) for entry in (*_SCALES, "energy")}
     outputs |= {entry: getattr(problem, entry) for entry in (*_PROBLEM, *_START)}
     own: Any = getattr(unknown, "law", unknown)  # the law below a rule of unloading
-    outputs |= {"widening": own.widening, "elastic_share": getattr(own, "elastic_share", 0.0)}
+    outputs |= {entry: getattr(own, entry, 0.0) for entry in _OF_LAW}
     outputs["stop_velocity"] = replace(problem, free=True).stop_velocity  # -0 with the drift 0 of other targets
     return recording.function(name, "n, impedance, load", outputs)
 
@@ -189,15 +202,16 @@ def law_symbols(recording: Recording, law: AbstractLaw, fixed: frozenset[str], l
             unknown = law_symbols(recording, value, fixed, live)
         elif name in live and name != "restitution":
             unknown = recording.symbol(own_entry(name))
-        elif entry_of(name) in FROM_SCENE and name not in fixed:
-            unknown = recording.symbol(f'n["{entry_of(name)}"]')
+        elif entry_of(name, type(law)) in FROM_SCENE and name not in fixed:
+            unknown = recording.symbol(f'n["{entry_of(name, type(law))}"]')
         object.__setattr__(made, name, unknown)
     return made
 
 
-def entry_of(name: str) -> str:
-    """The property of a scene from which a field of laws is filled."""
-    return "effective_radius" if name == "radius" else name
+def entry_of(name: str, law: type[AbstractLaw]) -> str:
+    """The property of a scene from which a field of a law is filled."""
+    flows = name == "yield_strength" and "strain_hardening_exponent" not in law_fields(law)
+    return {"radius": "effective_radius"}.get(name, "flow_strength" if flows else name)
 
 
 def _damping_over(law: AbstractLaw, restitution: Any) -> Any:
@@ -214,7 +228,7 @@ def _damping_over(law: AbstractLaw, restitution: Any) -> Any:
 
 def _example(recording: Recording, law: type[AbstractLaw]) -> Mapping[str, Any]:
     """The required parameters that a law derives from the values of a scene."""
-    names = ("effective_modulus", "effective_radius", "yield_strength", "poissons_ratio", "mass", "approach")
+    names = ("effective_modulus", "effective_radius", "flow_strength", "poissons_ratio", "mass", "approach")
     numbers = recording.symbols("n", names)
     return law.example(example_ball(*(cast("Any", numbers[name]) for name in names)))
 
@@ -230,13 +244,15 @@ def _problem(
     scales = Scales(**cast("Any", recording.symbols(owner, _SCALES)))
     curve = Curve(native.Curve(), (), 0.0, 0.0, "", ())
     numbers = recording.symbols("n", FROM_SCENE)
-    strength = numbers["yield_strength"]  # infinite if there is none
-    varied: Any = SimpleNamespace(**numbers | {"yield_strength": either(strength < math.inf, strength, math.nan)})
+    varied: Any = SimpleNamespace(**numbers)
     varied.nose = varied.oval = None
     varied.rate_hardening = RateHardening(
         **{name.removeprefix("rate_"): n for name, n in recording.symbols("n", RATE_LAW).items()}
     )
-    law = SceneLaw(cast("Any", None), recording.symbols(owner, ("widening", "elastic_share")), None, {})
+    own = recording.symbols(owner, _OF_LAW)
+    strength = either(own["yield_strength"] > 0.0, own["yield_strength"], numbers["yield_strength"])
+    own["yield_strength"] = either(strength < math.inf, strength, math.nan)  # infinite if there is none
+    law = SceneLaw(cast("Any", None), own, None, {})
     impacts = Impacts(template, law, _numbers(recording), varied=varied)
     values: dict[str, Any] = {**recording.symbols(owner, _PROBLEM), "given": (1.0, 0.0, 0.0), "damping": float(damped)}
     return Problem(impacts, cast("Any", None), curve, scales, **values, free=template.target.free, vibrates=vibrates)
@@ -334,7 +350,7 @@ def _target(recording: Recording, template: Scene, paths: Sequence[str]) -> Abst
         x = recording.symbols("x", PLATE)
         columns |= {"target.size": tuple(x[path] for path in PLATE[:2])}
         columns |= {"target.position": tuple(x[path] for path in PLATE[2:])}
-    return scene_of_columns(template, columns).target
+    return _changed(template, columns).target
 
 
 def reflections_function(name: str, template: Scene, paths: Sequence[str]) -> str:
@@ -369,7 +385,7 @@ def friction_functions(template: Scene, paths: Sequence[str]) -> dict[str, str]:
 
 def _slides(template: Scene, paths: Sequence[str]) -> tuple[Recording, Scene, Sliding]:
     r = Recording()
-    scene = scene_of_columns(template, cast("Any", r.symbols("x", paths)))
+    scene = _changed(template, r.symbols("x", paths))
     return r, scene, cast("Sliding", sliding_of(scene))
 
 

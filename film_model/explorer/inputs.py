@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from typing import Any, cast
 
 from film_model.base.fields import Field, measure
+from film_model.base.flow_stress import MOST_HARDENING
 from film_model.base.materials import Material
 from film_model.base.units import scene_unit
-from film_model.scene import Scene
+from film_model.scene import Scene, toml
 from film_model.scene.impactor import STEEPEST
 from film_model.scene.rolling import stiffness_ratio
 from film_model.targets import Plate
@@ -36,9 +37,14 @@ LABELS = {
 }
 
 RATE_ENTRIES = ("strain_rate_coefficient", "rate_multiplier", "rate_exponent")
-MATERIAL_ENTRIES = ("youngs_modulus", "poissons_ratio", "density", "yield_strength", "loss_factor", *RATE_ENTRIES)
-OPTIONAL = ("yield_strength", "loss_factor", *RATE_ENTRIES)
-"""Entries that may be missing: infinite for the formulas, so that the material does not yield, harden or damp."""
+STRENGTH_ENTRIES = ("yield_strength", "hardness", "strain_hardening_exponent")
+MATERIAL_ENTRIES = (
+    *("youngs_modulus", "poissons_ratio", "density", *STRENGTH_ENTRIES, "loss_factor"),
+    *RATE_ENTRIES,
+)
+OPTIONAL = (*STRENGTH_ENTRIES, "loss_factor", *RATE_ENTRIES)
+"""Entries that may be missing: infinite for the formulas, so that the material does not yield, harden or damp; see also
+`EMPTY`."""
 
 ALONG = ("impactor.angle", "impactor.spin", "contact.friction")
 """Entries of an impact at an angle or with spin."""
@@ -57,17 +63,20 @@ JUDGED = ("work_of_adhesion", "roughness", "fluid_viscosity")
 """Entries of the contact from which effects are estimated that the page does not judge again."""
 
 EMPTY = {
-    **{"mass": "from the density", "angle": "0", "spin": "0"},
+    **{"mass": "from the density", "angle": "0", "spin": "0", "strain_hardening_exponent": "0"},
     **dict.fromkeys(PLATE[:2], "infinite"),
     **dict.fromkeys(PLATE[2:], "centre"),
 }
 """What stands in the field of an entry that is missing, if not "none"; "0" for the formulas too."""
 
-MAY_BE_0 = ("drop_height", "velocity", "loss_factor", "angle", "friction", "damping_ratio")
+MAY_BE_0 = (
+    *("drop_height", "velocity", "loss_factor", "angle", "friction", "damping_ratio"),
+    "strain_hardening_exponent",
+)
 """Entries whose least value is 0, not just above it."""
 
-STRENGTHS = ("hardness", "strain_hardening_exponent", "strength_coefficient", "strength_exponent")
-"""Entries of a material from which its flow strength follows."""
+RANGES = {"hardness": (1e8, 1e10), "strain_hardening_exponent": (0.0, MOST_HARDENING)}
+"""Usual values of a material's entries that may be missing or 0."""
 
 
 @dataclass(frozen=True)
@@ -130,15 +139,20 @@ class Input:
         }
 
 
-def with_yield_strengths(scene: Scene) -> Scene:
-    """The scene with the flow strength of each material as its yield strength, in place of hardness and hardening."""
+def with_exponents(scene: Scene) -> Scene:
+    """The scene with strain hardening exponents in place of Johnson and Cook's constants."""
     changes: dict[str, Any] = {}
     for path, body in (("impactor", scene.impactor), ("target", scene.target)):
-        material = body.material
-        if material is not None and material.flow_strength != material.yield_strength:
-            changes |= dict.fromkeys(f"{path}.material.{name}" for name in STRENGTHS)
-            changes[f"{path}.material.yield_strength"] = f"{material.flow_strength!r} Pa"
+        if body.material is not None and body.material.strength_coefficient is not None:
+            changes |= dict.fromkeys(f"{path}.material.strength_{name}" for name in ("coefficient", "exponent"))
+            changes[f"{path}.material.strain_hardening_exponent"] = body.material.hardening_exponent
     return scene.replace(changes) if changes else scene
+
+
+def in_place_of(entries: Iterable[Input]) -> dict[str, str]:
+    """Entries by the path of the one that is set in their place."""
+    paths = [entry.path for entry in entries]
+    return {path: other for path in paths if (other := toml.in_place_of(path)) in paths}
 
 
 def inputs_of(scene: Scene) -> tuple[Input, ...]:
@@ -182,7 +196,7 @@ def _entries(path: str, owner: Any) -> Iterator[Input]:
             multiplied = value.rate_multiplier is not None
             others = ("strain_rate_coefficient",) if multiplied else ("rate_multiplier", "rate_exponent")
             for entry in (entry for entry in MATERIAL_ENTRIES if entry not in others):
-                yield Input(f"{here}.{entry}", Material.FIELDS[entry], getattr(value, entry))
+                yield Input(f"{here}.{entry}", Material.FIELDS[entry], getattr(value, entry), RANGES.get(entry))
         elif hasattr(value, "FIELDS"):
             yield from _entries(here, value)
         elif field.low is not None and not isinstance(value, tuple) and name not in JUDGED and here not in ALONG:

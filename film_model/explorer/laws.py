@@ -70,7 +70,9 @@ class PageLaw:
         beside it that the page changes: its formulas compute what depends on them."""
         if page_of(self.law) is None:
             return None
-        beside = {name: ends for name, ends in self.law.shaped_beside.items() if entry_of(name) in FROM_SCENE}
+        beside = {
+            name: ends for name, ends in self.law.shaped_beside.items() if entry_of(name, type(self.law)) in FROM_SCENE
+        }
         middle = {name: 0.5 * sum(ends) for name, ends in beside.items() if name not in self.fixed}
         one: Any = self.law.of_shape(EDGES[2])
         return page_between(replace(one, **middle), *ALL_SHAPES)
@@ -151,14 +153,16 @@ class PageLaw:
             "remarks": [*self.law.remarks(), *curve.warnings],
             "shape": None if self.page is None else _shape_data(self.page, varying_of(self.law)),
             "needs": [
-                entry_of(name) for name in law_fields(kind) if entry_of(name) in FROM_SCENE and name not in self.fixed
+                entry
+                for name in law_fields(kind)
+                if (entry := entry_of(name, kind)) in FROM_SCENE and name not in self.fixed
             ],
             "derived": self.derived,
             "live": [
                 entry.to_dict() | ({"value": None, "optional": True, "empty": "example"} if self.derived else {})
                 for entry in self._inputs()
             ],
-            "fixed": {entry_of(name): value for name, value in _values(self.law).items() if name in self.fixed},
+            "fixed": {entry_of(name, kind): value for name, value in _values(self.law).items() if name in self.fixed},
             "own": {key: list(value) if isinstance(value, tuple) else value for key, value in self.own.items()},
         }
 
@@ -173,7 +177,7 @@ def laws_of(scene: Scene) -> Iterator[PageLaw]:
             law = _law(scene, name, own)
         except (TypeError, ValueError):  # a value is missing, or outside the law's range
             continue
-        absent = {field for field in _values(law) if getattr(scene, entry_of(field)) is None}
+        absent = {field for field in _values(law) if getattr(scene, entry_of(field, kind)) is None}
         fixed = absent | {field for field in _values(law) if _shapes(law, field)}
         if not curve_of(law).pulls:
             yield PageLaw(name, law, not own and bool(kind.example(STEEL_BALL)), frozenset(fixed))
@@ -186,7 +190,7 @@ def _law(scene: Scene, name: str, own: bool) -> AbstractLaw:
         law = law_named(scene, name).at()
     else:
         ball = example_ball(
-            *(getattr(scene, entry) for entry in ("effective_modulus", "effective_radius", "yield_strength")),
+            *(getattr(scene, entry) for entry in ("effective_modulus", "effective_radius", "flow_strength")),
             *(getattr(scene, entry) for entry in ("poissons_ratio", "effective_mass", "approach_velocity")),
         )
         named = law_named(scene, name)
@@ -205,7 +209,7 @@ def _values(law: AbstractLaw) -> dict[str, Any]:
     """The values that a law, and the law inside it, take from the scene."""
     inner = getattr(law, "law", None)
     found = _values(inner) if isinstance(inner, AbstractLaw) else {}
-    return found | {name: value for name, value in vars(law).items() if entry_of(name) in FROM_SCENE}
+    return found | {name: value for name, value in vars(law).items() if entry_of(name, type(law)) in FROM_SCENE}
 
 
 def _changed(law: AbstractLaw, name: str, factor: float) -> AbstractLaw:

@@ -14,7 +14,7 @@ from film_model.base.errors import TooManyModes
 from film_model.core import modal
 from film_model.effects.choose import Choice
 from film_model.effects.edge_effects import CLOSE, SLOW
-from film_model.explorer.inputs import Input, damping_input
+from film_model.explorer.inputs import STRENGTH_ENTRIES, Input, damping_input
 from film_model.scene import DEFAULT_ACCURACY, Scene
 from film_model.solve import structures
 from film_model.solve.vibration import (
@@ -52,7 +52,7 @@ MOST_COMPUTED = 10_000
 LIVE_WORK = modal.MOST_WORK / 2
 """Limit of the runs of an impact on the page, about a second: steps times (modes + `modal.MODES_OF_A_STEP`)."""
 
-LIVE = ("target.material.yield_strength",)
+LIVE = tuple(f"target.material.{entry}" for entry in STRENGTH_ENTRIES)
 """Entries of such a target that may change: its vibrations do not depend on them."""
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import statistics
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
@@ -14,7 +14,7 @@ from film_model.laws import LAWS
 from film_model.laws.example_ball import example_ball, example_law
 from film_model.problem.curve import curve_of
 from film_model.problem.law_of_scene import ASSUMED_POISSONS_RATIO, ELASTIC, YIELDING
-from film_model.problem.model_intervals import family_of
+from film_model.problem.model_intervals import ABOVE, family_of
 from film_model.scene import Contact, Effects, Scene, Sphere
 from film_model.solve.simulate import simulate_quietly
 from film_model.studies.validation_rows import JOHNSON_COOK, Row, material
@@ -36,6 +36,7 @@ GROUPS: dict[str, Callable[[Row], bool]] = {
 
 
 COMPLETE, BY_NAME = "complete: hardness and rate", "steel of the catalogue by name"
+FAST = "rebounds beyond 50 yield velocities"
 ROUGH = "hardness not known within ±10 %"
 """Inputs that are compared, in words."""
 
@@ -44,21 +45,30 @@ NEAR = 0.1
 
 
 class Spread(NamedTuple):
-    """Absolute errors of some values: how many, their median, the error of 90 % of them, the share within `NEAR`, and
-    the largest."""
+    """Errors of some values: how many; of the absolute ones the median, that of 90 % of them, the share within `NEAR`
+    and the largest; and the median with its sign."""
 
     rows: int
     median: float
     most: float
     near: float
     worst: float
+    bias: float
 
     @classmethod
     def of(cls, found: Iterable[Prediction]) -> Spread:
         """Of the values that were simulated, at least one."""
-        errors = absolute(found)
+        signed = [p.error for p in found if not math.isnan(p.value)]
+        errors = sorted(map(abs, signed))
         near = sum(error <= NEAR for error in errors) / len(errors)
-        return cls(len(errors), statistics.median(errors), errors[int(0.9 * len(errors))], near, errors[-1])
+        return cls(
+            len(errors),
+            statistics.median(errors),
+            errors[int(0.9 * len(errors))],
+            near,
+            errors[-1],
+            statistics.median(signed),
+        )
 
 
 class Prediction(NamedTuple):
@@ -152,7 +162,7 @@ def _report(law: str, rows: Sequence[Row]) -> LawReport:
 
 def inputs_of(rows: Iterable[Row]) -> dict[str, list[Prediction]]:
     """What law "auto" gives for measured rows with complete conditions, with other inputs, and for those of which the
-    hardness is not known well: by input, in words."""
+    hardness is not known well: by input, in words. Fast rebounds with waves and hardening, too."""
     own = list(rows)
     hard = [row for row in own if row.usable and row.hardness is not None]
     groups = {
@@ -162,7 +172,11 @@ def inputs_of(rows: Iterable[Row]) -> dict[str, list[Prediction]]:
         BY_NAME: [row.by_name for row in hard],
         ROUGH: [row for row in own if row.rough],
     }
-    return {name: [predict(AUTO, row) for row in group] for name, group in groups.items()}
+    found = {name: [predict(AUTO, row) for row in group] for name, group in groups.items()}
+    fast = [p for p in found[COMPLETE] if p.family == ABOVE and p.row.quantity == "coefficient_of_restitution"]
+    waves = [predict(AUTO, p.row, {"effects.wave_losses": True}) for p in fast]
+    hardening = [predict(AUTO, p.row.hardening) for p in fast]
+    return found | {FAST: fast, f"{FAST}, waves forced": waves, f"{FAST}, hardening": hardening}
 
 
 def within_input(rows: Iterable[Row]) -> tuple[int, int]:
@@ -177,11 +191,11 @@ def within_input(rows: Iterable[Row]) -> tuple[int, int]:
     return met, len(known)
 
 
-def predict(law: str, row: Row) -> Prediction:
-    """What a law gives for a row."""
+def predict(law: str, row: Row, changes: Mapping[str, Any] | None = None) -> Prediction:
+    """What a law gives for a row, with changes of the scene."""
     family = family_of(scene_of(AUTO, row))
     try:
-        history = simulate_quietly(scene_of(law, row), accuracy=ACCURACY)
+        history = simulate_quietly(scene_of(law, row).replace(changes or {}), accuracy=ACCURACY)
     except (SimulationError, ValueError):
         return Prediction(row, math.nan, family, False)
     found = history.summary[row.quantity]

@@ -7,7 +7,7 @@ import re
 import tomllib
 from typing import Any, NamedTuple
 
-from film_model.base.flow_stress import REPRESENTATIVE_STRAIN, flow_of_hardness
+from film_model.base.flow_stress import REPRESENTATIVE_STRAIN, flow_of_hardness, johnson_cook_exponent
 from film_model.base.hardness import VICKERS
 from film_model.base.materials import catalogue
 
@@ -21,8 +21,11 @@ JOHNSON_COOK = {
 }
 """A, B [Pa], n and C of the three steels of Johnson & Cook 1983, Proc. 7th Int. Symp. on Ballistics, 541-547."""
 
+STEEL = 210e9
+"""Young's modulus, Pa."""
+
 _HARDNESS = re.compile(r'hardness = "([0-9.]+) HV"')
-_RATE = re.compile(r", strain_rate_coefficient = [0-9.]+")
+_RATE = re.compile(r", strain_rate_coefficient = ([0-9.]+)")
 
 
 def flow_of(name: str) -> float:
@@ -94,6 +97,18 @@ class Row(NamedTuple):
         """The row with another strain rate coefficient of its target, or without one."""
         given = "" if coefficient is None else f", strain_rate_coefficient = {coefficient}"
         return self._replace(target=_RATE.sub(given, self.target))
+
+    @property
+    def hardening(self) -> Row:
+        """The row with the strain hardening exponent of that steel of Johnson & Cook whose C its target has."""
+        rate = _RATE.search(self.target)
+        if rate is None:
+            return self
+        strength, coefficient, power, _ = next(steel for steel in JOHNSON_COOK.values() if steel[3] == float(rate[1]))
+        exponent = johnson_cook_exponent(strength, coefficient, power, STEEL)
+        return self._replace(
+            target=f"{self.target[: rate.end()]}, strain_hardening_exponent = {exponent:.6f}{self.target[rate.end() :]}"
+        )
 
     def with_hardness(self, vickers: float) -> Row:
         """The row with another hardness of its target."""

@@ -205,7 +205,7 @@ function energyChart(result, time, cursor) {
 
 /** What a reader must know before believing the result. @param {Scene} scene @param {Result} result */
 function showBanner(scene, result) {
-  const { given, hardening } = scene.base;
+  const { given } = scene.base;
   const { edges } = result.choice;
   const texts = [];
   if (given && result.choice.problem === null) {
@@ -215,9 +215,6 @@ function showBanner(scene, result) {
   }
   if (edges?.matter) {
     texts.push(`Waves from the edges would change the result by about ${percent(edges.change)}: here the target has no edges. Use film-model run.`);
-  }
-  if (hardening !== null) {
-    texts.push(`This page computes without strain hardening, with the flow stress at 8 % strain; film-model run takes the hardening, which changes the summary of the scene as given by about ${percent(hardening)}.`);
   }
   if (result.choice.problem) texts.push(...examplesOf(result.choice.problem.law, result.n).map((text) => `${text}: give yours.`));
   if (scene.base.along && scene.values["contact.friction"] === null && FORMULAS[scene.base.along.sliding](entriesOf(scene), result.choice.problem?.p ?? {}).velocity !== 0) {

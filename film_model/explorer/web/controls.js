@@ -116,6 +116,8 @@ function typed(scene, input, text) {
     scene.materials[body] = `${scene.materials[body].replace(/, changed$/u, "")}, changed`;
   }
   scene.values[input.path] = found.value;
+  const other = scene.base.replaced[input.path];
+  if (other) scene.values[other] = null;
   if (found.unit) UNITS[input.path] = found.unit;
   return "";
 }
@@ -164,7 +166,7 @@ function buildForm(scene, changed, replaced) {
     }
     for (const input of inputsOf(scene)) {
       if (!input.path.startsWith(`${body}.`)) continue;
-      const entry = entryRow(scene, input, changed);
+      const entry = entryRow(scene, input, input.path in scene.base.replaced ? () => (refresh(), changed()) : changed);
       rows.push(entry);
       (input.path.includes(".material.") ? material : group).append(entry.row);
     }

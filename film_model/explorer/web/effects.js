@@ -8,14 +8,18 @@
 function hardened(scene, n, law, impedance, compliance) {
   const { settled, most_rounds: rounds } = DATA.constants;
   const wanted = scene.effects.rate_hardening;
-  const [known, able] = [Number.isFinite(n.rate_coefficient), law.needs.includes("yield_strength")];
+  const strengths = ["yield_strength", "flow_strength"];
+  const [known, able] = [Number.isFinite(n.rate_coefficient), strengths.some((entry) => law.needs.includes(entry))];
   if (wanted === true && !known) throw new Unsupported("rate hardening needs a strain rate coefficient of the material that yields");
   if (wanted === true && !able && scene.law !== "auto") throw new Unsupported(`law ${law.name} has no yield strength that could rise`);
-  if (wanted !== false && known && "yield_strength" in law.fixed) {
+  if (wanted !== false && known && strengths.some((entry) => entry in law.fixed)) {
     throw new Unsupported(`law ${law.name} is available here without rate hardening only: its curve depends on the yield strength`);
   }
   if (wanted === false || !known || !able) return null;
-  const times = (/** @type {number} */ factor) => ({ ...n, yield_strength: n.yield_strength * factor, strength_factor: factor });
+  const times = (/** @type {number} */ factor) => {
+    const [yields, flows] = strengths.map((entry) => n[entry] * factor);
+    return { ...n, yield_strength: yields, flow_strength: flows, strength_factor: factor };
+  };
   let factor = 1;
   for (let k = 0; k < rounds; k++) {
     const problem = problemOf(law, times(factor), impedance, 0, compliance);

@@ -23,6 +23,8 @@ function entriesOf(scene) {
       const radius = entries[`${body}.radius`];
       entries[`${body}.mass`] = FORMULAS.sphereMass(radius, entries[`${body}.material.density`]).mass;
     }
+    const [modulus, hardness, exponent] = ["youngs_modulus", "hardness", "strain_hardening_exponent"].map((name) => entries[`${body}.material.${name}`]);
+    if (Number.isFinite(hardness)) entries[`${body}.material.yield_strength`] = FORMULAS.firstYield(hardness, exponent, modulus ?? scene.base.moduli[body]).strength;
   }
   return entries;
 }
@@ -32,11 +34,18 @@ function numbersOf(scene) {
   const x = entriesOf(scene);
   const [d11, d12, d22] = ["D11", "D12", "D22"].map((name) => x[`target.bending_stiffness.${name}`] ?? 0);
   if (d11 && d12 ** 2 >= d11 * d22) throw new Unsupported("D12 must be smaller than √(D11 D22): otherwise the plate has negative bending energy");
+  for (const body of ["impactor", "target"]) {
+    const [hardness, strength] = ["hardness", "yield_strength"].map((name) => scene.values[`${body}.material.${name}`] ?? NaN);
+    if (FORMULAS.strengths(hardness, strength).contradict) throw new Unsupported(`hardness and yield strength of the ${body} contradict each other: leave one of them empty`);
+  }
   /** @type {any} */
   const n = { ...FORMULAS[scene.base.numbers](x), chosen: scene.law, values: scene.values };
   if (!(n.approach > 0)) throw new Unsupported("the impactor does not approach the target: there is no impact");
   return n;
 }
+
+/** What a number of a scene is called in its entries. @param {string} entry */
+const nameOf = (entry) => entry.replace("flow", "yield").replaceAll("_", " ");
 
 /** The law of that name, if the scene's values allow it; otherwise the reason. @param {Scene} scene @param {any} n @param {string} name */
 function lawOf(scene, n, name) {
@@ -45,10 +54,10 @@ function lawOf(scene, n, name) {
     const law = DATA.laws[index];
     if (law.name !== name) continue;
     const missing = law.needs.filter((/** @type {string} */ entry) => Number.isNaN(n[entry]) || n[entry] === Infinity);
-    if (missing.length) return { reason: `law ${name} needs a ${missing[0].replaceAll("_", " ")}` };
-    const off = Object.entries(law.fixed).filter(([entry, value]) => n[entry] !== value);
+    if (missing.length) return { reason: `law ${name} needs a ${nameOf(missing[0])}` };
+    const off = Object.entries(law.fixed).filter(([entry, value]) => n[entry] !== value && !(Math.abs(n[entry] / value - 1) <= DATA.constants.agreement));
     if (!off.length) return { law };
-    const what = off.map(([entry]) => entry.replaceAll("_", " ")).join(" and ");
+    const what = off.map(([entry]) => nameOf(entry)).join(" and ");
     reason = `law ${name} is available here for the ${what} of the scene as given only: its curve depends on it`;
   }
   return { reason };

@@ -40,18 +40,16 @@ function numbersOf(scene) {
 
 /** The law of that name, if the scene's values allow it; otherwise the reason. @param {Scene} scene @param {any} n @param {string} name */
 function lawOf(scene, n, name) {
-  let reason = `law ${name} is not on this page`;
-  for (const index of scene.base.laws) {
-    const law = DATA.laws[index];
-    if (law.name !== name) continue;
-    const missing = law.needs.filter((/** @type {string} */ entry) => Number.isNaN(n[entry]) || n[entry] === Infinity);
-    if (missing.length) return { reason: `law ${name} needs a ${missing[0].replaceAll("_", " ")}` };
-    const off = Object.entries(law.fixed).filter(([entry, value]) => n[entry] !== value);
-    if (!off.length) return { law };
-    const what = off.map(([entry]) => entry.replaceAll("_", " ")).join(" and ");
-    reason = `law ${name} is available here for the ${what} of the scene as given only: its curve depends on it`;
-  }
-  return { reason };
+  const { laws, plain, law: own } = scene.base;
+  const offered = scene.law === own ? laws : [...plain, ...laws];
+  const law = offered.map((/** @type {number} */ index) => DATA.laws[index]).find((/** @type {any} */ one) => one.name === name);
+  if (!law) return { reason: `law ${name} is not on this page` };
+  const missing = law.needs.filter((/** @type {string} */ entry) => Number.isNaN(n[entry]) || n[entry] === Infinity);
+  if (missing.length) return { reason: `law ${name} needs a ${missing[0].replaceAll("_", " ")}` };
+  const off = Object.entries(law.fixed).filter(([entry, value]) => n[entry] !== value);
+  if (!off.length) return { law };
+  const what = off.map(([entry]) => entry.replaceAll("_", " ")).join(" and ");
+  return { reason: `law ${name} is available here for the ${what} of the scene as given only: its curve depends on it` };
 }
 
 /** @param {Scene} scene @param {any} n @param {string} name */

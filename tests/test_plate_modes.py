@@ -174,8 +174,7 @@ def test_frequencies_of_a_long_plate_with_a_clamped_and_a_free_end():
     strip, place = panel("CFFF", (1.0, 0.03)), (0.9, 0.011)
     modes = panel_modes(strip, place, (70 * math.pi) ** 2).frequency[:30]
     lines = [polynomials(strip.ends[0], 60), polynomials(strip.ends[1], 14)]
-    every = [indices.ravel() for indices in np.indices([each.bent.size for each in lines])]
-    blocks = ritz.split(strip, lines, place, *every)
+    blocks = ritz.split(strip, lines, place)
     exact = np.sort(np.concatenate([ritz._vibrations(strip, lines, block, (place,))[0] for block in blocks]))[:30]
     assert modes == pytest.approx(exact, rel=1.5e-5)
 
@@ -327,7 +326,7 @@ def test_the_lowest_vibrations_are_as_exact_as_the_highest():
     """Against the largest eigenvalues of the inverse, which `eigh` finds to rounding; of the matrix it does not."""
     strip, highest = panel("CFFF", (30.0, 1.0)), 300.0
     lines = [ritz._line(strip, along, highest) for along in (0, 1)]
-    energy = ritz.energy_of(strip, lines, *ritz._blocks(strip, lines, highest, (29.0, 0.5))[0])
+    energy = ritz.energy_of(strip, lines, *ritz.split(strip, lines, (29.0, 0.5), highest)[0])
     unit = 1.0 / np.sqrt(np.diag(energy))
     inverse = np.linalg.inv(energy * unit[:, None] * unit) * unit[:, None] * unit
     exact = 1.0 / np.linalg.eigvalsh(inverse)[::-1][:4]

@@ -29,9 +29,8 @@ def ritz_compliance(panel: Panel, position: tuple[float, float], degree: int = _
     Of a plate that nothing holds: the deflection without its motion as a rigid body.
     """
     lines = [polynomials(ends, degree) for ends in panel.ends]
-    p, q = (indices.ravel() for indices in np.indices([each.bent.size for each in lines]))
     total = 0.0
-    for block in split(panel, lines, position, p, q):
+    for block in split(panel, lines, position):
         seen, energy = shape_at(panel, lines, position, *block), energy_of(panel, lines, *block)
         loose = loose_motions(panel, lines, block)
         energy += float(np.trace(energy)) / energy.shape[0] * loose @ loose.T

@@ -325,6 +325,7 @@ def _constants() -> dict[str, Any]:
         "most_weight": MOST_WEIGHT,
         "not_modelled": NOT_MODELLED,
         "vibration": support.constants(),
+        "ritz": support.ritz_constants(),
         "friction": _friction(),
         "compared": COMPARED,
     }

@@ -88,8 +88,8 @@ def _line(rows: list[Array], more: int) -> Line:
     sloped, crossed = (slope * unit[:-1]) @ slope.T, (curve * unit[:-2]) @ made[:, :-2].T
     order = np.argsort(bent, kind="stable")
     both = np.ix_(order, order)
-    arrays = (made[order], bent[order], sloped[both], crossed[both], odd[order])
-    return Line(len(made) - more, *map(np.ascontiguousarray, arrays))
+    whole, bends, slopes, crosses = map(np.ascontiguousarray, (made[order], bent[order], sloped[both], crossed[both]))
+    return Line(len(made) - more, whole, bends, slopes, crosses, np.ascontiguousarray(odd[order]))
 
 
 def _parts(ends: tuple[str, str], degree: int) -> list[Array]:

@@ -122,7 +122,7 @@ def panel_modes(panel: Panel, position: tuple[float, float], highest: float, oth
         raise TooManyModes(_too_many(least))
     lines, blocks, largest = list[Line](), list[Block](), 0
     for sharpness, most in SHARPNESS:
-        if least * sharpness**2 > most < MOST_FUNCTIONS:  # certainly too many
+        if least * sharpness > most < MOST_FUNCTIONS:  # certainly too many
             continue
         lines = [_line(panel, along, sharpness * highest) for along in (0, 1)]
         blocks = split(panel, lines, position, sharpness * highest)

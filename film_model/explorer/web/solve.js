@@ -3,7 +3,7 @@
 /**
  * A scene on the page. base: the scene of DATA from which it comes; values: its entries by path, SI, null if missing.
  * @typedef {{base: any, values: Record<string, number|null>, title: string, materials: Record<string, string>,
- *   edges: string, law: string, effects: Record<string, string|boolean>, tolerance: number|null,
+ *   edges: string[], law: string, effects: Record<string, string|boolean>, tolerance: number|null,
  *   solver: {accuracy: number|null, segments: number|null, linearisation: string}}} Scene
  */
 

@@ -3,7 +3,7 @@
  * The eigenvalues are those of the inverse of matrix + shift, from Cholesky's factor of the matrix with a diagonal of ones: the lowest
  * of the matrix then keep their digits. A reflection turns `struck` into the last axis, Householder's reduction to a tridiagonal
  * matrix leaves that axis alone, and implicit QL steps turn it: its entries are the components (Golub & Welsch 1969). */
-#include "modal/film_spectrum.h"
+#include "plate/film_spectrum.h"
 
 #include <float.h>
 #include <math.h>

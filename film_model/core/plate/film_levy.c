@@ -3,7 +3,7 @@
  * w = sum of w_j(x) sin(j pi y/b), with D11 w'''' - 2 (D12 + 2 D66) k^2 w'' + (D22 k^4 + bed) w = (2/b) F sin(k y) delta(x) and
  * k = j pi/b. Each w_j is the solution on an infinite strip and four exponentials that satisfy the edges; springs hold free ones.
  * The terms approach a multiple of sin^2/j^3, whose sum is known; the remainder is below 1e-7. */
-#include "modal/film_panel.h"
+#include "plate/film_panel.h"
 
 #include <math.h>
 

@@ -3,7 +3,7 @@
  * The polynomials that satisfy the supports: combinations of P_0 ... P_3, and the double integrals of P_k, k >= 2, which vanish
  * with their slopes at both ends. In sqrt((2 k + 1)/2) times these, the integral of f''^2 is a sum of squares. The shapes diagonalise
  * the integral of f^2: one-sided Jacobi rotations of its factor keep the digits of the smallest, which `eigh` would lose. */
-#include "modal/film_ritz.h"
+#include "plate/film_ritz.h"
 
 #include <math.h>
 
@@ -13,7 +13,7 @@
 #define SMALLEST 1e-7    /* root of the integral of f^2 over that with f''^2: smaller ones are rounding */
 #define NEGLECTED 1e-9   /* rows shorter than this need not be orthogonal to each other: they are no shapes */
 #define ORTHOGONAL 1e-15 /* cosine of two rows */
-#define SWEEPS 40        /* at most; graded rows take 5 to 8 */
+#define SWEEPS 40        /* at most; 130 rows take 10 */
 #define SAME_BENT 1e-9
 
 /* The polynomials of one parity, or all: columns are the degrees first, first + step, ... */
@@ -119,13 +119,26 @@ static void turn(int32_t n, double *a, double *b, double c, double s) {
     }
 }
 
+/* The longest of the rows from i on takes the place of row i: half as many sweeps are needed. */
+static void lengthen(half *part, int32_t i) {
+    int32_t best = i;
+    for (int32_t j = i + 1; j < part->rows; j++)
+        if (part->size[j] > part->size[best]) best = j;
+    if (best == i) return;
+    turn(part->columns, at(part->moved, part->columns, i), at(part->moved, part->columns, best), 0.0, 1.0);
+    turn(part->rows, at(part->factor, part->rows, i), at(part->factor, part->rows, best), 0.0, 1.0);
+    turn(1, &part->size[i], &part->size[best], 0.0, -1.0);
+    part->size[best] = fabs(part->size[best]);
+}
+
 /* Rotations make the rows of `moved` orthogonal; those of `factor` follow. */
 static void rotate(half *part) {
     int32_t m = part->rows, n = part->columns;
     for (int32_t i = 0; i < m; i++) part->size[i] = dot(n, at(part->moved, n, i), at(part->moved, n, i));
     for (int32_t sweep = 0, turned = 1; sweep < SWEEPS && turned; sweep++) {
         turned = 0;
-        for (int32_t i = 0; i + 1 < m; i++)
+        for (int32_t i = 0; i + 1 < m; i++) {
+            lengthen(part, i);
             for (int32_t j = i + 1; j < m; j++) {
                 double *a = at(part->moved, n, i), *b = at(part->moved, n, j), alpha = part->size[i], beta = part->size[j];
                 if (fmax(alpha, beta) < NEGLECTED * NEGLECTED) continue;
@@ -140,6 +153,7 @@ static void rotate(half *part) {
                 part->size[j] = dot(n, b, b);
                 turned = 1;
             }
+        }
     }
 }
 
@@ -249,12 +263,9 @@ int64_t film_ritz_size(int32_t degree) {
     return film_ritz_kept(degree) + 6 * width * width + (2 * JOINED + 4) * width;
 }
 
-int32_t film_ritz_make(film_ritz *line, const int32_t *ends, int32_t degree, int32_t count, double *memory) {
-    if (degree < 6 || count < 0) return FILM_BAD_NUMBER;
-    int32_t width = degree + 1, halves = ends[0] == ends[1] ? 2 : 1, total = 0, functions = 0;
-    half parts[2];
-    double *next = memory + film_ritz_kept(degree), *moved = next, *bends = at(moved, width, width), *weights = at(bends, width, width);
-    next = weights + (JOINED + 1) * width;
+/* The shapes of both halves, or of all polynomials; how many there are. next: where their rows are put. */
+static int32_t all_shapes(half *parts, int32_t halves, const int32_t *ends, int32_t degree, double *memory, double *next) {
+    int32_t total = 0;
     for (int32_t h = 0; h < halves; h++) {
         half *part = &parts[h];
         *part = (half){h, halves, (degree - h) / halves + 1, 0, 0, {{0}}, NULL, NULL, NULL, NULL};
@@ -265,16 +276,18 @@ int32_t film_ritz_make(film_ritz *line, const int32_t *ends, int32_t degree, int
         part->size = at(part->bends, most, most);
         next = part->size + most;
         fill(part, ends, degree);
-        shapes_of(part, weights);
+        shapes_of(part, memory);
         total += part->rows;
     }
-    if (count > total) return FILM_BAD_NUMBER;
-    double highest = count ? highest_of(parts, halves, count) * (1.0 + SAME_BENT) : INFINITY;
-    int32_t more = !count || (ends[0] == FILM_EDGE_SIMPLE && halves == 2) ? 0 : JOINED / halves, odd_from = 0;
+    return total;
+}
+
+/* Functions in sums of the shapes of the halves: those up to `highest`, and `more` of each half that join them; how many. */
+static int32_t chosen_of(const half *parts, int32_t halves, double highest, int32_t more, int32_t width, double *rows, double *weights) {
+    double *moved = rows, *bends = at(rows, width, width), *weight = at(weights, width, JOINED);
+    int32_t functions = 0;
     for (int32_t h = 0; h < halves; h++) {
-        half *part = &parts[h];
-        double *weight = at(weights, width, JOINED);
-        if (h) odd_from = functions;
+        const half *part = &parts[h];
         for (int32_t i = 0; i < part->rows; i++) {
             if (!(part->size[i] <= highest)) continue;
             for (int32_t r = 0; r < part->rows; r++) weight[r] = r == i ? 1.0 : 0.0;
@@ -285,7 +298,25 @@ int32_t film_ritz_make(film_ritz *line, const int32_t *ends, int32_t degree, int
         for (int32_t k = 0; k < more; k++, functions++)
             append(part, at(weights, part->rows, k), width, at(moved, width, functions), at(bends, width, functions));
     }
-    int32_t f = functions;
+    return functions;
+}
+
+/* Whether a function has odd polynomials alone. */
+static int is_odd(int32_t width, const double *moved) {
+    for (int32_t c = 0; c < width; c += 2)
+        if (moved[c] != 0.0) return 0;
+    return 1;
+}
+
+int32_t film_ritz_make(film_ritz *line, const int32_t *ends, int32_t degree, int32_t count, double *memory) {
+    if (degree < 6 || count < 0) return FILM_BAD_NUMBER;
+    int32_t width = degree + 1, halves = ends[0] == ends[1] ? 2 : 1;
+    half parts[2];
+    double *moved = memory + film_ritz_kept(degree), *bends = at(moved, width, width), *weights = at(bends, width, width);
+    if (count > all_shapes(parts, halves, ends, degree, weights, at(weights, width, JOINED + 1))) return FILM_BAD_NUMBER;
+    double highest = count ? highest_of(parts, halves, count) * (1.0 + SAME_BENT) : INFINITY;
+    int32_t more = !count || (ends[0] == FILM_EDGE_SIMPLE && halves == 2) ? 0 : JOINED / halves;
+    int32_t f = chosen_of(parts, halves, highest, more, width, moved, weights);
     double *series = memory, *bent = at(series, width, f), *sloped = bent + f, *crossed = at(sloped, f, f);
     uint8_t *odd = (uint8_t *)at(crossed, f, f);
     int32_t *order = (int32_t *)weights; /* sorted by what they bend */
@@ -299,7 +330,7 @@ int32_t film_ritz_make(film_ritz *line, const int32_t *ends, int32_t degree, int
     double *slopes = parts[0].moved; /* the halves, which take more, are no longer needed */
     for (int32_t i = 0; i < f; i++) slope_of(width, at(moved, width, order[i]), at(slopes, width, i));
     for (int32_t i = 0; i < f; i++) {
-        odd[i] = halves == 2 && order[i] >= odd_from;
+        odd[i] = halves == 2 && is_odd(width, at(moved, width, order[i]));
         for (int32_t j = 0; j < f; j++) {
             at(sloped, f, i)[j] = dot(width, at(slopes, width, i), at(slopes, width, j));
             at(crossed, f, i)[j] = dot(width, at(bends, width, order[i]), at(moved, width, order[j]));

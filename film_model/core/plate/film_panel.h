@@ -6,7 +6,7 @@
 #ifndef FILM_PANEL_H
 #define FILM_PANEL_H
 
-#include "modal/film_ritz.h"
+#include "plate/film_ritz.h"
 
 typedef struct {
     double mass; /* per area */

@@ -1,5 +1,5 @@
 /* Ritz's method for plates with any edges, as film_panel.h says. */
-#include "modal/film_panel.h"
+#include "plate/film_panel.h"
 
 #include <math.h>
 

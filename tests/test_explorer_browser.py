@@ -402,7 +402,7 @@ def test_a_plate_gets_edges_by_its_fields(shown, address):
     assert plate.size == (0.12, 0.08) and plate.position == (0.04, 0.02) and plate.edges == "simply supported"
     window.select_option("#edge-0", "clamped")
     window.select_option("#edge-3", "free")
-    window.wait_for_function("location.hash.includes('2Cfree')")
+    window.wait_for_url(re.compile("2Cfree"))
     again = shown(window.evaluate("location.href"))
     plate = fm.Scene.from_text(again.evaluate("filmModel.sceneFile(location.hash.slice(1))")).target
     assert plate.edges == ("clamped", "simply supported", "simply supported", "free")
@@ -412,7 +412,7 @@ def test_a_plate_gets_edges_by_its_fields(shown, address):
     for field in ("size-0", "size-1", "position-0", "position-1"):
         window.fill(f"#entry-target-{field}", "")
         window.keyboard.press("Tab")
-    window.wait_for_function("document.getElementById('error').textContent.includes('segments')")
+    window.wait_for_selector("#error:has-text('segments')")
     assert window.is_visible("#results")
 
 

@@ -50,7 +50,7 @@ MOST_MODES = 4000
 MOST_COMPUTED = 10_000
 """Bound on the number of modes that the page computes itself: 56 MB for their tables."""
 
-MOST_RITZ = 1e8
+MOST_RITZ = 2e8
 """Largest sum of the cubes of the numbers of functions that interact, of the modes of a plate on the page."""
 
 LIVE_WORK = modal.MOST_WORK / 2

@@ -217,7 +217,7 @@ function vibrate(scene, problem) {
   let [highest, most] = [first, Math.min(support.highest, rattles ? rule.highest * first : Infinity)];
   const cut = 2 * first > support.highest;
   const refuse = () => {
-    if (support.limited) throw new Unsupported(`accuracy ${accuracy} needs more functions for these edges than the page computes in a second: use film-model run`);
+    if (support.limited) throw new Unsupported(`accuracy ${accuracy} needs more functions for these edges than the page computes in a second: ask for a looser accuracy, or use film-model run`);
   };
   if (4 * first > support.highest) refuse();
   if (cut) highest = support.highest / 4;

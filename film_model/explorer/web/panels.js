@@ -32,7 +32,7 @@ const endsOf = (panel, along) => panel.edges.slice(2 * along, 2 * along + 2);
 /** @param {Panel} panel @param {number} along */
 const simple = (panel, along) => endsOf(panel, along).every((edge) => edge === 0);
 
-/** How many groups the functions along a side fall into, which do not interact. @param {Panel} panel @param {number} along */
+/** How many groups the functions along a side fall into, which do not interact. @param {Panel} panel @param {number} along @returns {number} */
 const halvesOf = (panel, along) => (panel.edges[2 * along] === panel.edges[2 * along + 1] ? 2 : 1);
 
 /** Functions on a line, kept: the address. @param {number[]} ends @param {number} degree @param {number} count of shapes, or 0 */
@@ -165,8 +165,8 @@ function stripsOf(panel, x, highest) {
   })).filter(({ seen }) => seen);
 }
 
-/** About how much the modes up to a frequency take: the sum of the cubes of the numbers of functions that interact. @param {Panel} panel @param {number} highest */
-function workOfPanel(panel, highest) {
+/** About how much the modes up to a frequency take: the sum of the cubes of the numbers of functions that interact. @param {Panel} panel @param {number[]} point @param {number} highest */
+function workOfPanel(panel, point, highest) {
   const { ritz } = DATA.constants;
   if (simple(panel, 0) || simple(panel, 1)) {
     const own = simple(panel, 0) ? panel : turned(panel);
@@ -181,7 +181,8 @@ function workOfPanel(panel, highest) {
   const groups = halves[0] * halves[1];
   const products = Math.max(one * two, ritz.least * Math.max(one, two)) / groups;
   const [[sharpness]] = ritz.sharpness;
-  return groups * (products * sharpness * ritz.fewest) ** 3;
+  const seen = halves.reduce((product, half, along) => product * (2 * point[along] === [panel.a, panel.b][along] ? 1 : half), 1);
+  return seen * (products * sharpness * ritz.fewest) ** 3;
 }
 
 /** Static deflection over force by polynomials up to a degree. @param {Panel} panel @param {number[]} point @param {number} degree */

@@ -62,7 +62,7 @@ function ofEdges(panel, point) {
     return known.get(limit);
   };
   let [few, highest] = [least, 2 ** 60];
-  while (workOfPanel(panel, highest) > most) highest /= 2 ** 0.25;
+  while (workOfPanel(panel, point, highest) > most) highest /= 2 ** 0.25;
   while (Math.max(...[0, 1].map((along) => halfWaves(panel, along, 16 * sharpness * few))) < functions - 2) few *= 16;
   const bends = () => upTo(few).frequency.find((/** @type {number} */ own) => own > 0);
   /** @type {{compliance: number, error: number}|undefined} */

@@ -30,7 +30,10 @@ int32_t film_panel_degree(const film_panel *panel, double wave, double highest, 
     double spread = (panel->mass * highest * highest - panel->d11 * square * square) / panel->d22;
     double root = sqrt(fmax(mean * mean + spread, 0.0));
     double across = sqrt(fmax(root - mean, 0.0)) * panel->b, decay = sqrt(fmax(root + mean, 0.0)) * panel->b;
-    double degree = spare + fmax(2.0 / PI * across, sqrt(DECAYED * decay)), octave = exp2(floor(log2(degree)) - 2.0);
+    double degree = spare + fmax(2.0 / PI * across, sqrt(DECAYED * decay));
+    int power;
+    (void)frexp(degree, &power);
+    double octave = ldexp(1.0, power - 3); /* a quarter of the power of 2 that is not above it */
     return (int32_t)(ceil(degree / octave) * octave);
 }
 

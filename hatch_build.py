@@ -25,7 +25,7 @@ from fmu_wrapper import platforms
 
 CORE = platforms.CORE
 ONE_IMPACT = (*platforms.core("march", "marched", "compare", "solve"), *platforms.core("modal", "modal_impact"))
-PLATES = platforms.core("modal", "plate")
+PLATES = platforms.core("plate", "plate", "panel", "ritz", "levy", "spectrum")
 SOURCES = (
     *platforms.MARCH,
     *platforms.core("tables", "tables", "gauss", "way_in", "way_out"),

@@ -5,7 +5,7 @@
  *     cc -std=c99 -O2 -ffp-contract=off -I film_model/core tests/modal_fuzz.c $(find film_model/core -name 'film_*.c') -lm -o modal_fuzz
  *     ./modal_fuzz 2000
  */
-#include "modal/film_plate.h"
+#include "plate/film_plate.h"
 #include "modal/film_modal_parts.h"
 
 #include <math.h>

@@ -22,7 +22,7 @@ from film_model.explorer.trace import Recording
 from film_model.laws import LAWS
 from film_model.targets import TARGETS
 
-FIRST_LOAD = 197_000
+FIRST_LOAD = 214_000
 """Most bytes of the page, compressed with gzip."""
 
 HOSTILE = '</script><script>document.title = "taken"</script><img src=x onerror=alert(1)> & "quoted"'
@@ -179,13 +179,13 @@ def test_a_target_that_is_held_brings_its_compliance_and_its_modes():
     [
         ({}, True),
         ({"size": ["0.1 m", "0.1 m"], "position": ["0.03 m", "0.05 m"], "damping_ratio": 0.01}, True),
-        ({"size": ["0.1 m", "0.1 m"], "edges": "clamped"}, False),
+        ({"size": ["0.1 m", "0.1 m"], "position": ["0.03 m", "0.05 m"], "edges": "clamped"}, True),
         ({"size": ["0.1 m", "0.1 m"], "foundation_stiffness": "1e6 N/m^3"}, False),
         ({"size": ["0.1 m", "0.1 m"], "damping_ratio": [0.01, 0.02]}, False),
         ({"static_stiffness": "1e6 N/m"}, False),
     ],
 )
-def test_the_page_computes_the_modes_of_simply_supported_plates(more, computed):
+def test_the_page_computes_the_modes_of_plates(more, computed):
     target = {"kind": "plate", "thickness": "2 mm", "material": "mild steel"} | more
     (found,) = Content([("a", fm.Scene.from_table({"impactor": BALL, "target": target}))]).table()["scenes"]
     values = {entry["path"]: entry["value"] for entry in found["inputs"] if entry["path"] in PLATE}

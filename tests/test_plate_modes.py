@@ -1,5 +1,6 @@
 """Vibrations and static deflection of plates with any edges, against tables, closed forms and convergence."""
 
+import ctypes
 import itertools
 import math
 import os
@@ -10,6 +11,7 @@ import numpy as np
 import pytest
 
 import film_model as fm
+from film_model.core import native, panels
 from film_model.effects.choose import choose
 from film_model.targets import Modes, plate_statics, ritz
 from film_model.targets.line_functions import line, polynomials
@@ -174,8 +176,7 @@ def test_frequencies_of_a_long_plate_with_a_clamped_and_a_free_end():
     strip, place = panel("CFFF", (1.0, 0.03)), (0.9, 0.011)
     modes = panel_modes(strip, place, (70 * math.pi) ** 2).frequency[:30]
     lines = [polynomials(strip.ends[0], 60), polynomials(strip.ends[1], 14)]
-    every = [indices.ravel() for indices in np.indices([each.bent.size for each in lines])]
-    blocks = ritz.split(strip, lines, place, *every)
+    blocks = ritz.split(strip, lines, place)
     exact = np.sort(np.concatenate([ritz._vibrations(strip, lines, block, (place,))[0] for block in blocks]))[:30]
     assert modes == pytest.approx(exact, rel=1.5e-5)
 
@@ -327,7 +328,7 @@ def test_the_lowest_vibrations_are_as_exact_as_the_highest():
     """Against the largest eigenvalues of the inverse, which `eigh` finds to rounding; of the matrix it does not."""
     strip, highest = panel("CFFF", (30.0, 1.0)), 300.0
     lines = [ritz._line(strip, along, highest) for along in (0, 1)]
-    energy = ritz.energy_of(strip, lines, *ritz._blocks(strip, lines, highest, (29.0, 0.5))[0])
+    energy = ritz.energy_of(strip, lines, *ritz.split(strip, lines, (29.0, 0.5), highest)[0])
     unit = 1.0 / np.sqrt(np.diag(energy))
     inverse = np.linalg.inv(energy * unit[:, None] * unit) * unit[:, None] * unit
     exact = 1.0 / np.linalg.eigvalsh(inverse)[::-1][:4]
@@ -349,3 +350,50 @@ def test_the_same_bits_on_any_number_of_processors():
         for environment in (os.environ | {"OPENBLAS_NUM_THREADS": count} for count in ("1", "2"))
     ]
     assert found[0] == found[1] and int(found[0].split()[0]) > 400
+
+
+# ---------------------------------------------------------------- the core's own linear algebra, for the page
+
+
+@pytest.mark.parametrize("ends", list(itertools.product(WORDS.values(), repeat=2)))
+def test_the_core_makes_the_same_functions_on_a_line(ends):
+    """Up to signs, and of the polynomials that join the shapes up to their rounding."""
+    for found, own in ((panels.made(ends, 32, 0), polynomials(ends, 32)), (panels.made(ends, 60, 24), line(ends, 24))):
+        series, bent, sloped, crossed = found
+        sign = np.sign(np.sum(series * own.polynomials, axis=1))
+        known = own.bent < 1e10  # higher ones are rounding
+        both, signs = np.ix_(known, known), np.outer(sign, sign)
+        np.testing.assert_allclose(bent[known], own.bent[known], rtol=1e-8)
+        np.testing.assert_allclose((sign[:, None] * series)[known], own.polynomials[known], atol=1e-7)
+        for mine, other in ((sloped, own.sloped), (crossed, own.crossed)):
+            np.testing.assert_allclose((signs * mine)[both], other[both], atol=1e-8 * np.abs(other[both]).max())
+    with pytest.raises(ValueError, match="fewer than 40 shapes"):
+        panels.made(ends, 32, 40)
+
+
+def core_spectrum(energy, seen, least):
+    """Eigenvalues and components by the core; None where it refuses the matrix."""
+    n, found = len(seen), np.empty((2, len(seen)))
+    arrays = energy.copy(), np.ascontiguousarray(seen), np.empty(5 * n), *found
+    matrix, given, *others = (array.ctypes.data_as(ctypes.c_void_p) for array in arrays)
+    count = native.library().film_spectrum(n, matrix, given, ctypes.c_double(least), *others)
+    return None if count == native.BAD_NUMBER else found[:, :count]
+
+
+def test_the_core_finds_the_same_spectrum():
+    """Of plates and of random matrices."""
+    cantilever, place, random = panel("CFFF"), (0.9, 0.31), np.random.default_rng(2)
+    lines = [line(ends, 10) for ends in cantilever.ends]
+    cases = [
+        (ritz.energy_of(cantilever, lines, *block), ritz.shape_at(cantilever, lines, place, *block))
+        for block in ritz.split(cantilever, lines, place)
+    ]
+    root = random.normal(size=(41, 41))
+    cases += [(root @ root.T + np.eye(41), random.normal(size=41)), (np.array([[4.0]]), np.array([-3.0]))]
+    for energy, seen in cases:
+        expected, (components,) = ritz._spectrum(energy.copy(), seen[None, :], 1e-3)
+        values, found = core_spectrum(energy, seen, 1e-3)
+        np.testing.assert_allclose(values, expected, rtol=1e-7)
+        np.testing.assert_allclose(values[: 1 + len(seen) // 4], expected[: 1 + len(seen) // 4], rtol=1e-10)
+        np.testing.assert_allclose(found**2, components**2, rtol=1e-6, atol=1e-9 * (seen @ seen))
+    assert core_spectrum(-np.eye(3), np.ones(3), 1e-3) is None

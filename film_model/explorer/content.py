@@ -157,6 +157,7 @@ class Content:
             "reflections": reflected,
             "along": self._along(scene, paths),
             "laws": [self._law(found, scene) for found in laws_of(scene)],
+            "plain": self._plain(scene),
             "law": scene.contact.law_name,
             "plate": plate,
             "effects": {switch: getattr(effects, switch) for switch in (*SWITCHES, *(EDGES if plate else ()))},
@@ -180,6 +181,14 @@ class Content:
         if "contact.friction" not in paths:
             return None
         return {name: self._named(name, text) for name, text in formulas.friction_functions(scene, paths).items()}
+
+    def _plain(self, scene: Scene) -> list[int]:
+        """The scene's law without its rule of unloading, which holds for no other choice of the law."""
+        law = scene.contact.law_name
+        if scene.contact.unloading is None or law not in (ELASTIC, YIELDING):
+            return []
+        other = scene.replace({"contact.law": "auto", "contact.unloading": None})
+        return [self._law(found, other) for found in laws_of(other, [law])]
 
     def _law(self, found: Any, scene: Scene) -> int:
         """The place of a law in the list of laws."""
@@ -325,6 +334,7 @@ def _constants() -> dict[str, Any]:
         "most_weight": MOST_WEIGHT,
         "not_modelled": NOT_MODELLED,
         "vibration": support.constants(),
+        "ritz": support.ritz_constants(),
         "friction": _friction(),
         "compared": COMPARED,
     }

@@ -332,7 +332,7 @@ def plate_functions(template: Scene, paths: Sequence[str]) -> dict[str, str]:
     r = Recording()
     target: Any = _target(r, template, paths)
     d11, d12, d22, d66 = target.stiffness
-    outputs = {"mass": target.surface_density, "d11": d11, "mixed": d12 + 2 * d66, "d22": d22}
+    outputs = {"mass": target.surface_density, "d11": d11, "d12": d12, "d22": d22, "d66": d66}
     outputs |= {"part": target.first_mode_share * target.whole_mass}
     found = {"numbers": r.function("numbers", "x", outputs)}
     found["reflections"] = reflections_function("reflections", template, paths)

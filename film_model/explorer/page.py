@@ -27,6 +27,7 @@ SCRIPTS: tuple[str, ...] = (
     "effects",
     "solve",
     "modes",
+    "panels",
     "plates",
     "oblique",
     "state",

@@ -27,6 +27,7 @@ from film_model.solve.vibration import (
     LONGEST,
     MODES_FACTOR,
     MODES_FALL,
+    NEGLIGIBLE,
     REFINED,
     SLOWEST,
     STEP,
@@ -34,7 +35,7 @@ from film_model.solve.vibration import (
     UNRESOLVED,
     vibrate,
 )
-from film_model.targets import AbstractTarget, Plate, Structure
+from film_model.targets import AbstractTarget, Plate, Structure, panel_statics, ritz
 from film_model.targets.modes import EQUAL
 
 SPARE = 4.0
@@ -48,6 +49,9 @@ MOST_MODES = 4000
 
 MOST_COMPUTED = 10_000
 """Bound on the number of modes that the page computes itself: 56 MB for their tables."""
+
+MOST_RITZ = 2e8
+"""Largest sum of the cubes of the numbers of functions that interact, of the modes of a plate on the page."""
 
 LIVE_WORK = modal.MOST_WORK / 2
 """Limit of the runs of an impact on the page, about a second: steps times (modes + `modal.MODES_OF_A_STEP`)."""
@@ -89,12 +93,10 @@ def damping_of(target: AbstractTarget) -> list[Input]:
 
 
 def computed(target: AbstractTarget) -> bool:
-    """Whether the page computes how the target moves between edges: a plate that has none, or whose modes have a
-    closed form, and nothing else that Python would have to tabulate."""
+    """Whether the page computes how the target moves between edges: a plate of no layers, bed, springs and sensors."""
     if not isinstance(target, Plate) or target.layup is not None or target.stiffness_given or target.sensors:
         return False
-    beside = target.foundation_stiffness or target.edge_stiffness or isinstance(target.damping_ratio, tuple)
-    return target.edges == "simply supported" and not beside
+    return not (target.foundation_stiffness or target.edge_stiffness or isinstance(target.damping_ratio, tuple))
 
 
 def data(choice: Choice) -> tuple[dict[str, Any] | None, str]:
@@ -144,6 +146,7 @@ def constants() -> dict[str, float]:
         "impulses": IMPULSES,
         "longest": LONGEST,
         "equal": EQUAL,
+        "negligible": NEGLIGIBLE,
         "most_computed": MOST_COMPUTED,
         "least_frequency": structures.SLOWEST,
         "modes_of_a_step": modal.MODES_OF_A_STEP,
@@ -155,4 +158,23 @@ def constants() -> dict[str, float]:
         "step": STEP,
         "tightest": TIGHTEST,
         "unresolved": UNRESOLVED,
+    }
+
+
+def ritz_constants() -> dict[str, Any]:
+    """The numbers of :mod:`film_model.targets.ritz` and :mod:`film_model.targets.panel_statics`."""
+    return {
+        "sharpness": ritz.SHARPNESS,
+        "least": ritz.LEAST,
+        "node": ritz.NODE,
+        "spare": ritz.SPARE,
+        "most_degree": ritz.MOST_DEGREE,
+        "most_waves": ritz.MOST_WAVES,
+        "work_of_a_strip": ritz.WORK_OF_A_STRIP,
+        "fewest": ritz.FEWEST,
+        "most_work": MOST_RITZ,
+        "degree": panel_statics.STATIC_DEGREE,
+        "lower_degrees": panel_statics.LOWER_DEGREES,
+        "remainder": panel_statics.REMAINDER,
+        "levy": panel_statics.LEVY,
     }

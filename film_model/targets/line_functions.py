@@ -11,12 +11,13 @@ sums of such shapes converge with the first power of their number. So the polyno
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property, lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
 
 from film_model.base.threads import one_thread
+from film_model.core import panels
 from film_model.targets.modes import Array
 
 SIMPLE = "simply supported", "simply supported"
@@ -43,6 +44,12 @@ class Line:
     sloped: Array
     crossed: Array
     odd: NDArray[np.bool_]
+
+    @cached_property
+    def core(self) -> panels.Functions:
+        """The same in the core."""
+        arrays = self.polynomials, self.bent, self.sloped, self.crossed, self.odd
+        return panels.functions(self.shapes, arrays, 1 + bool(self.odd.any()))
 
     def at(self, s: float, order: int = 0) -> Array:
         """f_p(s), or a derivative."""
@@ -81,7 +88,8 @@ def _line(rows: list[Array], more: int) -> Line:
     sloped, crossed = (slope * unit[:-1]) @ slope.T, (curve * unit[:-2]) @ made[:, :-2].T
     order = np.argsort(bent, kind="stable")
     both = np.ix_(order, order)
-    return Line(len(made) - more, made[order], bent[order], sloped[both], crossed[both], odd[order])
+    whole, bends, slopes, crosses = map(np.ascontiguousarray, (made[order], bent[order], sloped[both], crossed[both]))
+    return Line(len(made) - more, whole, bends, slopes, crosses, np.ascontiguousarray(odd[order]))
 
 
 def _parts(ends: tuple[str, str], degree: int) -> list[Array]:
@@ -117,6 +125,8 @@ def _unconditional(conditions: Array, parity: int | None, degree: int) -> Array:
     """Combinations of P_0 … P_3, or of the even or odd ones, on which the conditions are 0."""
     _, sizes, rows = np.linalg.svd(conditions)
     rows = rows[np.count_nonzero(sizes > 1e-12) :]
+    rows = np.linalg.svd(rows[:, rows.shape[1] // 2 :])[0].T[::-1] @ rows  # rigid motions first, and alone
+    rows[np.abs(rows) < 1e-15] = 0.0
     found = np.zeros((len(rows), degree + 1))
     found[:, slice(0, 4) if parity is None else slice(parity, 4, 2)] = rows
     return found

@@ -12,7 +12,7 @@ from film_model.targets.line_functions import SIMPLE, polynomials
 from film_model.targets.plate_statics import levy_compliance
 from film_model.targets.ritz import Panel, energy_of, loose_motions, shape_at, split, turned
 
-_STATIC_DEGREE, _LOWER_DEGREES = 32, (20, 26)
+STATIC_DEGREE, LOWER_DEGREES = 32, (20, 26)
 """Degrees of the polynomials that correct the static compliance, and of those that give a bound on the rest."""
 
 REMAINDER = 3.0
@@ -23,15 +23,14 @@ LEVY = 1e-7
 """Relative error of Lévy's series."""
 
 
-def ritz_compliance(panel: Panel, position: tuple[float, float], degree: int = _STATIC_DEGREE) -> float:
+def ritz_compliance(panel: Panel, position: tuple[float, float], degree: int = STATIC_DEGREE) -> float:
     """Static deflection over force by Ritz's method alone, m/N: too small, because polynomials smooth the point force.
 
     Of a plate that nothing holds: the deflection without its motion as a rigid body.
     """
     lines = [polynomials(ends, degree) for ends in panel.ends]
-    p, q = (indices.ravel() for indices in np.indices([each.bent.size for each in lines]))
     total = 0.0
-    for block in split(panel, lines, position, p, q):
+    for block in split(panel, lines, position):
         seen, energy = shape_at(panel, lines, position, *block), energy_of(panel, lines, *block)
         loose = loose_motions(panel, lines, block)
         energy += float(np.trace(energy)) / energy.shape[0] * loose @ loose.T
@@ -69,6 +68,6 @@ def compliance_and_error(panel: Panel, position: tuple[float, float]) -> tuple[f
         return known, LEVY * known
     *lower, last = (
         ritz_compliance(panel, position, degree) - ritz_compliance(like, position, degree)
-        for degree in (*_LOWER_DEGREES, _STATIC_DEGREE)
+        for degree in (*LOWER_DEGREES, STATIC_DEGREE)
     )
     return known + last, REMAINDER * max(abs(last - each) for each in lower) + LEVY * known

@@ -4,12 +4,9 @@ from __future__ import annotations
 
 import math
 from functools import lru_cache
-from typing import Any
-
-import numpy as np
 
 from film_model.base.arrays import Number, of_each, root
-from film_model.core import plates
+from film_model.core import panels, plates
 
 
 def anisotropy(d11: float, d12: float, d22: float, d66: float) -> float:
@@ -55,47 +52,5 @@ def levy_compliance(
     strip and four exponentials that satisfy the edges; `springs` [N/m²] hold free ones. The terms approach a multiple
     of sin²/j³, whose sum is known; the remainder is below 1e-7.
     """
-    (d11, d12, d22, d66), (a, b), (x, y) = stiffness, size, position
-    j = np.arange(1.0, LEVY_TERMS + 1.0)
-    k = j * math.pi / b
-    mean, bed = (d12 + 2 * d66) / d11, foundation / k**4
-    spread = np.emath.sqrt(((d12 + 2 * d66) ** 2 - d11 * (d22 + bed)).astype(complex)) / d11
-    # the roots of an isotropic plate coincide: they are moved apart
-    spread = np.where(np.abs(spread) < DISTINCT * abs(mean), DISTINCT * abs(mean), spread)
-    one, two = (np.sqrt(mean + sign * spread) * k for sign in (1, -1))
-    scale = 2 * d11 * (one**2 - two**2)
-
-    def alone(distance: float, n: int) -> Any:
-        """n-th derivative of the solution on the infinite strip, |x| = distance, towards growing |x|."""
-        return ((-two) ** n * np.exp(-two * distance) / two - (-one) ** n * np.exp(-one * distance) / one) / scale
-
-    matrix, right = np.zeros((j.size, 4, 4), complex), np.zeros((j.size, 4), complex)
-    for end, (kind, distance) in enumerate(zip(ends, (x, a - x), strict=True)):
-        wanted = {"clamped": (0, 1), "simply supported": (0, 2), "free": (2, 3)}[kind]
-        for row, n in enumerate(wanted, 2 * end):
-            # every function is written from this edge inwards; derivatives are taken outwards
-            less = {2: d12, 3: d12 + 4 * d66}[n] / d11 * k**2 if kind == "free" else 0.0
-            held = springs[end] / d11 if n == 3 else 0.0
-            for column, rate in enumerate((one, two)):
-                near = rate**n - less * rate ** (n - 2.0) - held
-                far = (-rate) ** n - less * (-rate) ** (n - 2.0) - held
-                matrix[:, row, 2 * end + column] = near
-                matrix[:, row, 2 * (1 - end) + column] = far * np.exp(-rate * a)
-            lower = alone(distance, n - 2) if kind == "free" else 0.0
-            right[:, row] = -(alone(distance, n) - less * lower - held * alone(distance, 0))
-    found = np.linalg.solve(matrix, right[:, :, None])[:, :, 0]
-    waves = np.stack([np.exp(-rate * distance) for distance in (x, a - x) for rate in (one, two)], axis=1)
-    terms = (alone(0.0, 0) + np.sum(found * waves, axis=1)).real
-    limit = float(terms[-1] * j[-1] ** 3)
-    sines = np.sin(j * math.pi * y / b) ** 2
-    cosines = float(np.sum(np.cos(2 * math.pi * y / b * j) / j**3))
-    return float(2 / b * (np.sum(sines * (terms - limit / j**3)) + limit * (_ZETA_3 - cosines) / 2))
-
-
-LEVY_TERMS = 2000
-
-DISTINCT = 1e-4
-"""Least relative distance of the roots' squares: the error is its square, the loss of digits by rounding its
-inverse."""
-
-_ZETA_3 = 1.2020569031595942  # Σ 1/i³
+    edges = (*map(panels.EDGES.index, ends), 0, 0)
+    return panels.levy(panels.Panel(1.0, *stiffness, *size, (*springs, 0.0, 0.0), foundation, edges), *position)

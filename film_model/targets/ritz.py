@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from typing import Any, cast
 
 import numpy as np
@@ -18,6 +18,7 @@ import numpy as np
 from film_model.base.arrays import Array, Index
 from film_model.base.errors import SimulationError, TooManyModes
 from film_model.base.threads import one_thread
+from film_model.core import panels
 from film_model.targets.line_functions import SIMPLE, Line, line, polynomials
 from film_model.targets.modes import Modes, Points, check_count, projected, sorted_modes
 
@@ -96,6 +97,12 @@ class Panel:
         """The edges that bound x, and those that bound y."""
         return self.edges[:2], self.edges[2:]
 
+    @cached_property
+    def core(self) -> panels.Panel:
+        """The same in the core."""
+        edges = tuple(map(panels.EDGES.index, self.edges))
+        return panels.Panel(self.mass_per_area, *self.stiffness, *self.size, self.springs, self.foundation, edges)
+
 
 @lru_cache(maxsize=16)
 @one_thread
@@ -108,7 +115,7 @@ def panel_modes(panel: Panel, position: tuple[float, float], highest: float, oth
     points = (position, *others)
     if SIMPLE in panel.ends:
         return _seen_modes(panel, _strips(panel, points, highest), highest)
-    waves = [_half_waves(panel, along, highest) for along in (0, 1)]
+    waves = [panels.waves(panel.core, along, highest) for along in (0, 1)]
     for along, number in enumerate(waves):
         if number > (most := MOST_WAVES * (2 if _symmetric(panel, along) else 1)):
             raise TooManyModes(
@@ -121,10 +128,10 @@ def panel_modes(panel: Panel, position: tuple[float, float], highest: float, oth
         raise TooManyModes(_too_many(least))
     lines, blocks, largest = list[Line](), list[Block](), 0
     for sharpness, most in SHARPNESS:
-        if least * sharpness**2 > most < MOST_FUNCTIONS:  # certainly too many
+        if least * sharpness > most < MOST_FUNCTIONS:  # certainly too many
             continue
         lines = [_line(panel, along, sharpness * highest) for along in (0, 1)]
-        blocks = _blocks(panel, lines, sharpness * highest, position)
+        blocks = split(panel, lines, position, sharpness * highest)
         largest = max(p.size for p, _ in blocks)
         if largest <= most:
             break
@@ -148,12 +155,13 @@ def _strips(panel: Panel, points: Points, highest: float) -> list[tuple[Array, A
         panel, points = turned(panel), tuple((*point[1::-1], *point[:1:-1]) for point in points)
     (d11, d12, d22, _), (a, b) = panel.stiffness, panel.size
     # half-waves have at least the energy of the stiffness D11 − D12²/D22: edges that are free let the plate curl
-    waves = _half_waves(panel, 0, highest) * (1.0 - d12**2 / (d11 * d22)) ** -0.25
+    waves = panels.waves(panel.core, 0, highest) * (1.0 - d12**2 / (d11 * d22)) ** -0.25
     check_count(waves)
     wave = np.arange(1.0, max(LEAST, int(waves)) + 1.0) * math.pi / a
     wave = wave[np.abs(np.sin(wave * points[0][0])) > NODE]
     places, orders = np.split(np.array([(*point, 0.0, 0.0)[:4] for point in points]).T, 2)
-    degree, groups = _degrees(panel, wave, highest), 2 if _symmetric(panel, 1) else 1
+    degree = np.array([panels.degree(panel.core, k, highest, SPARE) for k in wave])
+    groups, sines = 2 if _symmetric(panel, 1) else 1, panels.Functions(int(waves) + LEAST)
     if float(np.sum((degree / groups) ** 3 + WORK_OF_A_STRIP)) > MOST_STRIPS:
         raise TooManyModes(
             f"the vibrations of this plate need {wave.size} half-waves along one side, each with up to "
@@ -171,7 +179,8 @@ def _strips(panel: Panel, points: Points, highest: float) -> list[tuple[Array, A
             there = (k ** orders[0] * np.sin(k * places[0] + orders[0] * (math.pi / 2)))[..., None] * seen[:, q]
             moves = np.abs(there[:, 0]).max(axis=1) > NODE
             if moves.any():
-                found.append(_half_waves_alone(panel, _across(panel, across, q), k[moves], there[moves]))
+                along = np.rint(k[moves, 0] * a / math.pi).astype(np.intp) - 1
+                found.append(_half_waves_alone(panel, (sines, across.core), along, q, there[moves]))
     return found
 
 
@@ -182,41 +191,15 @@ def turned(panel: Panel) -> Panel:
     return Panel(panel.mass_per_area, *turned, panel.foundation)
 
 
-def _degrees(panel: Panel, wave: Array, highest: float) -> Index:
-    """Degree of the polynomials that resolve the vibrations of half-waves with the wave numbers `wave` [1/m].
-
-    Two for each half-wave across at the highest frequency, or for the decay e^{−κy} from an edge, whose coefficients
-    fall as e^{−n²/(κb)}; rounded up to four steps an octave, so that many half-waves share their polynomials.
-    """
-    d11, d12, d22, d66 = panel.stiffness
-    mean = (d12 + 2.0 * d66) / d22 * wave**2
-    spread = (panel.mass_per_area * highest**2 - d11 * wave**4) / d22
-    root = np.sqrt(np.maximum(mean**2 + spread, 0.0))
-    across, decay = (np.sqrt(np.maximum(square, 0.0)) * panel.size[1] for square in (root - mean, root + mean))
-    degree = SPARE + np.maximum(2.0 / math.pi * across, np.sqrt(DECAYED * decay))
-    octave = 2.0 ** (np.floor(np.log2(degree)) - 2.0)
-    return (np.ceil(degree / octave) * octave).astype(np.intp)
-
-
-def _across(panel: Panel, line: Line, q: Index) -> tuple[Array, Array, Array]:
-    """The energy of functions across a strip, as the coefficients of 1, k² and k⁴, for half-waves of wave number k."""
-    (d11, d12, d22, d66), b, both = panel.stiffness, 2.0 / panel.size[1], np.ix_(q, q)
-    rest = np.diag(d22 * b**4 * line.bent[q] + panel.foundation)
-    for spring, s in zip(panel.springs[2:], (-1.0, 1.0), strict=True):
-        edge = line.at(s)[q]
-        rest += spring * b * np.outer(edge, edge)
-    crossed = line.crossed[both]
-    return rest, b**2 * (4.0 * d66 * line.sloped[both] - d12 * (crossed + crossed.T)), d11 * np.eye(q.size)
-
-
-def _half_waves_alone(panel: Panel, across: tuple[Array, Array, Array], k: Array, seen: Array) -> tuple[Array, Array]:
-    """Frequencies and shapes of half-waves of wave numbers k, (waves, 1). across: of `_across`. seen: the functions at
+def _half_waves_alone(panel: Panel, lines: tuple[Any, Any], along: Index, q: Index, seen: Array) -> tuple[Array, Array]:
+    """Frequencies and shapes of half-waves along a strip, each with the functions q across. seen: the functions at
     points, (waves, points, functions)."""
-    (rest, mixed, along), least, k = across, _least(panel), k[..., None]
-    energy, large = rest + k**2 * mixed + k**4 * along, len(rest) > SMALL
-    many = len(k) if large else energy.size // AT_ONCE + 1
-    parts = zip(np.array_split(energy, many), np.array_split(seen, many), strict=True)
-    found = [_spectrum(each[0], at[0], least) if large else _spectra(each, at, least) for each, at in parts]
+    least, large = _least(panel), q.size > SMALL
+    many = along.size if large else along.size * q.size**2 // AT_ONCE + 1
+    found = list[tuple[Array, Array]]()
+    for part, at in zip(np.array_split(along, many), np.array_split(seen, many), strict=True):
+        energy = np.stack([panels.energy(panel.core, *lines, np.full(q.size, p), q) for p in part])
+        found.append(_spectrum(energy[0], at[0], least) if large else _spectra(energy, at, least))
     square, moved = (np.concatenate(columns, axis=-1) for columns in zip(*found, strict=True))
     return np.sqrt(np.maximum(square, 0.0) / panel.mass_per_area), moved
 
@@ -228,12 +211,7 @@ def _least(panel: Panel) -> float:
 
 def _line(panel: Panel, along: int, highest: float) -> Line:
     """Functions along one side that resolve all waves up to a frequency."""
-    return line(panel.ends[along], max(LEAST, int(_half_waves(panel, along, highest)) + 2))
-
-
-def _half_waves(panel: Panel, along: int, highest: float) -> float:
-    bending = panel.stiffness[2 * along]
-    return (panel.mass_per_area * highest**2 / bending) ** 0.25 * panel.size[along] / math.pi
+    return line(panel.ends[along], max(LEAST, int(panels.waves(panel.core, along, highest)) + 2))
 
 
 def _too_many(count: float) -> str:
@@ -245,17 +223,7 @@ def _too_many(count: float) -> str:
 
 def energy_of(panel: Panel, lines: list[Line], p: Index, q: Index) -> Array:
     """Matrix of the energy of products f_p(x) g_q(y) that are orthonormal in ∫∫w²."""
-    (d11, d12, d22, d66), (x, y) = panel.stiffness, lines
-    a, b = (2.0 / side for side in panel.size)
-    rows, columns = np.ix_(p, p), np.ix_(q, q)
-    found = 4 * d66 * (a * b) ** 2 * x.sloped[rows] * y.sloped[columns]
-    found += d12 * (a * b) ** 2 * (x.crossed[rows] * y.crossed[columns].T + x.crossed[rows].T * y.crossed[columns])
-    found[np.diag_indices(p.size)] += d11 * a**4 * x.bent[p] + d22 * b**4 * y.bent[q] + panel.foundation
-    for k, (held, other, scale) in enumerate(((p, q, a), (p, q, a), (q, p, b), (q, p, b))):
-        if panel.springs[k]:
-            edge = lines[k // 2].at(-1.0 if k % 2 == 0 else 1.0)[held]
-            found += panel.springs[k] * scale * np.outer(edge, edge) * (other[:, None] == other)
-    return found
+    return panels.energy(panel.core, lines[0].core, lines[1].core, p, q)
 
 
 def shape_at(panel: Panel, lines: list[Line], point: tuple[float, ...], p: Index, q: Index) -> Array:
@@ -271,24 +239,10 @@ def _at(line: Line, at: float, side: float, order: float) -> Array:
     return line.at(2.0 * at / side - 1.0, int(order)) * (2.0 / side) ** order
 
 
-def _blocks(panel: Panel, lines: list[Line], highest: float, point: tuple[float, ...]) -> list[Block]:
-    """The products up to a frequency, in groups that do not interact; those that are 0 at the point are left out."""
-    (d11, d12, d22, d66), (x, y) = panel.stiffness, lines
-    a, b = (2.0 / side for side in panel.size)
-    own = d11 * a**4 * x.bent[:, None] + d22 * b**4 * y.bent
-    mixed = 4 * d66 * np.outer(np.diag(x.sloped), np.diag(y.sloped))
-    mixed += 2 * d12 * np.outer(np.diag(x.crossed), np.diag(y.crossed))
-    kept = own + (a * b) ** 2 * mixed <= panel.mass_per_area * highest**2
-    kept[x.shapes :] = kept[:, y.shapes :] = True
-    kept[:LEAST] = kept[:, :LEAST] = True  # the first vibrations are accurate however low the frequency
-    return split(panel, lines, point, *np.nonzero(kept))
-
-
-def split(panel: Panel, lines: list[Line], point: tuple[float, ...], p: Index, q: Index) -> list[Block]:
-    """Products in groups that do not interact; those that are 0 at the point are left out."""
-    groups = [_groups(panel, lines, along) for along in (0, 1)]
-    key = groups[0][p] * (int(groups[1].max()) + 1) + groups[1][q]
-    blocks = [(p[key == group], q[key == group]) for group in np.unique(key)]
+def split(panel: Panel, lines: list[Line], point: tuple[float, ...], highest: float = math.inf) -> list[Block]:
+    """The products up to a frequency, in groups that do not interact; those that are 0 at the point are left out. The
+    first of each side are taken however low the frequency: the first vibrations are then accurate."""
+    blocks = panels.groups(panel.core, lines[0].core, lines[1].core, highest, LEAST)
     return [block for block in blocks if np.abs(shape_at(panel, lines, point, *block)).max() > NODE] or blocks[:1]
 
 
@@ -296,15 +250,6 @@ def _symmetric(panel: Panel, along: int) -> bool:
     """Whether even and odd functions along one side do not interact."""
     (one, other), springs = panel.ends[along], panel.springs[2 * along : 2 * along + 2]
     return one == other and springs[0] == springs[1]
-
-
-def _groups(panel: Panel, lines: list[Line], along: int) -> Index:
-    """For each function along one side, the number of its group: functions of different groups do not interact."""
-    if panel.ends[along] == SIMPLE:
-        return np.arange(lines[along].bent.size)
-    if _symmetric(panel, along):
-        return lines[along].odd.astype(np.intp)
-    return np.zeros(lines[along].bent.size, np.intp)
 
 
 def _vibrations(panel: Panel, lines: list[Line], block: Block, points: Points) -> tuple[Array, Array]:

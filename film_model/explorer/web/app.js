@@ -2,8 +2,9 @@
 
 const SAMPLES = 201;
 const PENDING = 200; // ms without a change after which studies and the address follow
-/** @type {{scene: Scene, reference: Scene|null, result: Result|null, other: Result|null, cursor: number, timer: number}} */
-const APP = { scene: /** @type {any} */ (null), reference: null, result: null, other: null, cursor: 0.5, timer: 0 };
+const SLOW = 300; // ms of a plate's results, above which they follow after a pause
+/** @type {{scene: Scene, reference: Scene|null, result: Result|null, other: Result|null, cursor: number, timer: number, took: number}} */
+const APP = { scene: /** @type {any} */ (null), reference: null, result: null, other: null, cursor: 0.5, timer: 0, took: 0 };
 
 /** The charts of the page by the id of their figure. @type {Map<string, Chart>} */
 const CHARTS = new Map();
@@ -47,10 +48,26 @@ function attempt(scene) {
   }
 }
 
-/** Simulate and show what follows a slider at once: numbers, charts, and what must be known of them. */
+/** Simulate and show at once, or after a pause where the vibrations of a plate take long. */
 function render() {
+  clearTimeout(APP.timer);
+  if (!CORE.plate.limited || APP.took < SLOW) {
+    renderNow();
+    return;
+  }
+  say(`the results follow after a pause: the vibrations of this plate take ${(APP.took / 1000).toFixed(1)} s`);
+  APP.timer = setTimeout(() => {
+    renderNow();
+    say("");
+  }, PENDING);
+}
+
+/** Simulate and show numbers, charts, and what must be known of them. */
+function renderNow() {
   const { scene, reference } = APP;
+  const start = performance.now();
   const { result, reason } = attempt(scene);
+  APP.took = performance.now() - start;
   APP.result = result;
   APP.other = reference ? attempt(reference).result : null;
   byId("heading").textContent = scene.title;
@@ -67,7 +84,6 @@ function render() {
     showOblique(scene, result);
     showBanner(scene, result);
   }
-  clearTimeout(APP.timer);
   APP.timer = setTimeout(settle, PENDING);
 }
 

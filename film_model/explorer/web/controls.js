@@ -170,7 +170,7 @@ function buildForm(scene, changed, replaced) {
       rows.push(entry);
       (input.path.includes(".material.") ? material : group).append(entry.row);
     }
-    if (body === "target" && scene.base.plate) group.append(edgesRow(scene, changed));
+    if (body === "target" && scene.base.plate) group.append(...edgeRows(scene, changed));
     if (material.childElementCount > 1) group.append(material);
     if (body === "target") group.insertBefore(kindRow(scene, replaced), group.children[1] ?? null);
     if (body === "contact") group.insertBefore(lawRow(scene, replaced), group.children[1] ?? null);
@@ -202,13 +202,15 @@ function kindRow(scene, replaced) {
 }
 
 /** @param {Scene} scene @param {() => void} changed */
-function edgesRow(scene, changed) {
+function edgeRows(scene, changed) {
   /** @type {[string, string][]} */
   const options = DATA.edges.map((/** @type {string} */ name) => [name, name]);
-  return choiceRow("edges", "edges", options, scene.edges, (name) => {
-    scene.edges = name;
-    changed();
-  });
+  return ["x = 0", "x = a", "y = 0", "y = b"].map((place, k) =>
+    choiceRow(`edge-${k}`, `edge ${place}`, options, scene.edges[k], (name) => {
+      scene.edges[k] = name;
+      changed();
+    }),
+  );
 }
 
 /** @param {Scene} scene @param {() => void} replaced */

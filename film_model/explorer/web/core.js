@@ -42,6 +42,8 @@ class Core {
     this.meshSize = Number(this.view().getBigInt64(this.numbers + 8, true));
     /** Modes in the core's form. @type {Map<string, {place: number, count: number, omitted: number, shares: number, damped: boolean}>} */
     this.structures = new Map();
+    /** Functions on a line for Ritz's method. @type {Map<string, number>} */
+    this.lines = new Map();
     /** The latest plate whose modes were computed here. @type {any} */
     this.plate = {};
     this.sprung = Array.from({ length: SPRUNG }, () => this.allocate(layout.curve));
@@ -74,7 +76,7 @@ class Core {
   }
 
   /**
-   * The modes of a plate up to a frequency, those of equal frequency as one, as film_model/targets/modes.py sorts them.
+   * The modes of a simply supported plate up to a frequency.
    * @param {number[]} numbers of film_plate @param {number} x struck point @param {number} y @param {number} highest
    */
   plateModes(numbers, x, y, highest) {
@@ -86,21 +88,7 @@ class Core {
       return columns.map((column) => new Float64Array(this.c.memory.buffer, column, count).slice());
     });
     const [a, b, mass] = numbers;
-    /** @type {Record<string, number[]>} */
-    const modes = { frequency: [], share: [], ratio: [] };
-    let last = -1;
-    for (const k of Array.from(frequencies.keys()).sort((i, j) => frequencies[i] - frequencies[j])) {
-      const [own, share] = [frequencies[k], (shapes[k] ** 2 * 4) / (mass * a * b)];
-      if (own - last > DATA.constants.vibration.equal * own) {
-        modes.frequency.push(own);
-        modes.share.push(share);
-        modes.ratio.push(0);
-      } else {
-        modes.share[modes.share.length - 1] += share;
-      }
-      last = own;
-    }
-    return modes;
+    return sortedModes(frequencies, Array.from(shapes, (shape) => (shape ** 2 * 4) / (mass * a * b)), highest);
   }
 
   /** Give up what is kept if it fills too much memory. */
@@ -108,6 +96,7 @@ class Core {
     if (this.top - this.fixedTop < MOST_MEMORY) return;
     this.meshes.clear();
     this.structures.clear();
+    this.lines.clear();
     this.top = this.fixedTop;
   }
 
@@ -377,4 +366,28 @@ class Failure extends Error {
     super(DATA.statuses[String(status)] ?? `the core failed with status ${status}`);
     this.status = status;
   }
+}
+
+/**
+ * Modes by ascending frequency, those of equal frequency as one, as film_model/targets/modes.py sorts them.
+ * @param {ArrayLike<number>} frequencies @param {number[]} shares @param {number} highest
+ */
+function sortedModes(frequencies, shares, highest) {
+  /** @type {Record<string, number[]>} */
+  const modes = { frequency: [], share: [], ratio: [] };
+  const largest = shares.reduce((most, share) => Math.max(most, share), 0);
+  let last = -1;
+  for (const k of Array.from(shares.keys()).sort((i, j) => frequencies[i] - frequencies[j])) {
+    const [own, share] = [frequencies[k], shares[k]];
+    if (own > highest || !(share > 1e-20 * largest)) continue;
+    if (own - last > DATA.constants.vibration.equal * own) {
+      modes.frequency.push(own);
+      modes.share.push(share);
+      modes.ratio.push(0);
+    } else {
+      modes.share[modes.share.length - 1] += share;
+    }
+    last = own;
+  }
+  return modes;
 }

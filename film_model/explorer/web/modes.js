@@ -68,11 +68,12 @@ function feltCompliance(support, fixed, mass) {
 /**
  * The modes up to a frequency in the core's form, kept; with the omitted ones as one more mode for a law that no spring can follow.
  * @param {Scene} scene @param {number} highest in rad/s @param {number} longest step in s @param {boolean} series
+ * @param {number} [softer] compliance that the omitted ones have more, m/N
  */
-function structureOf(scene, highest, longest, series) {
+function structureOf(scene, highest, longest, series, softer = 0) {
   const support = supportNow(scene);
   const own = scene.values["target.damping_ratio"];
-  const key = `${support.key} ${highest} ${longest} ${series} ${own}`;
+  const key = `${support.key} ${highest} ${longest} ${series} ${own} ${softer}`;
   const known = CORE.structures.get(key);
   if (known) return known;
   CORE.tidy();
@@ -81,7 +82,7 @@ function structureOf(scene, highest, longest, series) {
   const ratio = own === undefined ? seen.modes.ratio : frequency.map(() => own ?? 0);
   let count = frequency.length;
   while (count > 0 && frequency[count - 1] > highest) count--;
-  const [omitted, shares] = [omittedFrom(seen, count), sharesUpTo(seen, count)];
+  const [omitted, shares] = [omittedFrom(seen, count) + softer, sharesUpTo(seen, count)];
   const columns = [frequency, share, ratio].map((/** @type {number[]} */ column) => column.slice(0, count));
   if (!series && omitted > 0) {
     const above = DATA.constants.vibration.above * highest;
@@ -101,10 +102,11 @@ function structureOf(scene, highest, longest, series) {
 /**
  * The impact on the modes up to a frequency. Its record stays in memory until something else is computed.
  * @param {Scene} scene @param {Problem} problem @param {number} highest @param {number} tolerance of a step @param {number} limit s
+ * @param {number} [softer] as of structureOf
  */
-function followed(scene, problem, highest, tolerance, limit) {
+function followed(scene, problem, highest, tolerance, limit, softer = 0) {
   const { p, law, curve } = problem;
-  const structure = structureOf(scene, highest, rounded(p.time), law.series);
+  const structure = structureOf(scene, highest, rounded(p.time), law.series, softer);
   const rest = law.series ? (structure.omitted * p.force) / p.length : 0;
   const { layout, top } = CORE;
   const start = CORE.allocate(layout.modal_start.size);
@@ -188,6 +190,18 @@ function unreached(accuracy, outcome) {
   return `accuracy ${accuracy} is not reached with the ${outcome.structure.count} natural vibrations here`;
 }
 
+/**
+ * Largest change of the summary by the error of the static compliance, as of film_model/solve/vibration.py: _target_error.
+ * @param {Scene} scene @param {Problem} problem @param {any} outcome @param {number} accuracy @param {number} limit
+ */
+function errorOfCompliance(scene, problem, { core, highest, tolerance }, accuracy, limit) {
+  const { compliance, compliance_error: error = 0 } = supportNow(scene);
+  const soft = core.maximum_force > 0 ? ((core.maximum_indentation / core.maximum_force) * problem.p.length) / problem.p.force : 0;
+  if (error <= DATA.constants.vibration.negligible * accuracy * (soft + compliance)) return 0;
+  const [same, other] = [0, error].map((softer) => followed(scene, problem, highest / 2, tolerance, limit, softer).core);
+  return Math.max(...Object.values(differencesOf(problem, same, other)));
+}
+
 /** The impact with as many modes as the accuracy needs, and the error estimate. @param {Scene} scene @param {Problem} problem */
 function vibrate(scene, problem) {
   const support = supportNow(scene);
@@ -202,6 +216,10 @@ function vibrate(scene, problem) {
   const rattles = !law.series && structureOf(scene, first, rounded(p.time), law.series).omitted > 0;
   let [highest, most] = [first, Math.min(support.highest, rattles ? rule.highest * first : Infinity)];
   const cut = 2 * first > support.highest;
+  const refuse = () => {
+    if (support.limited) throw new Unsupported(`accuracy ${accuracy} needs more functions for these edges than the page computes in a second: ask for a looser accuracy, or use film-model run`);
+  };
+  if (4 * first > support.highest) refuse();
   if (cut) highest = support.highest / 4;
   if (highest < rule.unresolved * first) throw new Unsupported("too few natural vibrations of the target are on this page for so short a contact");
   const follow = (/** @type {number} */ tolerance, upTo = highest) => followed(scene, problem, upTo, tolerance, limit);
@@ -242,8 +260,12 @@ function vibrate(scene, problem) {
     const [factor, fall] = p.damping > 0 ? [rule.damped_factor, rule.damped_fall] : [rule.factor, rule.fall];
     const errors = Object.entries(changes).map(([name, change]) => factor * Math.max(change, known[name] / fall) + tolerance);
     error = Math.max(...errors);
-    if (error <= accuracy) return { ...fine, error, warning: "" };
-    if (last) return { ...fine, error, warning: unreached(accuracy, fine) };
+    if (error > accuracy && 2 * highest > support.highest) refuse();
+    if (error <= accuracy || last) {
+      const own = errorOfCompliance(scene, problem, fine, accuracy, limit);
+      if (own > 0) fine = follow(fine.tolerance);
+      return { ...fine, error: error + own, warning: error + own <= accuracy ? "" : unreached(accuracy, fine) };
+    }
     [coarse, before, tolerance] = [fine, changes, Math.max(tolerance / rule.refined, rule.tightest)];
   }
 }

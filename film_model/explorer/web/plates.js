@@ -8,40 +8,82 @@ function sidesOf(scene) {
   for (const [name, values] of Object.entries({ size, position })) {
     if (missing(values) === 1) throw new Unsupported(`target.${name} needs both values, along x and along y, or neither`);
   }
-  const simple = scene.edges === DATA.edges[0];
   const { boundary_reflections: reflections, target_motion: motion } = scene.effects;
   if (missing(size)) {
     const damped = scene.values["target.damping_ratio"] !== null;
-    const others = { position: !missing(position), edges: !simple, damping_ratio: damped };
+    const others = { position: !missing(position), edges: scene.edges.some((edge) => edge !== DATA.edges[0]), damping_ratio: damped };
     const needing = Object.entries(others).find(([, given]) => given);
     if (needing) throw new Unsupported(`target.${needing[0]} needs a size: an infinite plate has neither edges nor vibrations`);
     if (reflections === true && motion !== false) throw new Unsupported("effects.boundary_reflections is true, but the plate has no size");
     return null;
   }
-  if (!simple) throw new Unsupported(`a plate with ${scene.edges} edges is not computed on this page: use film-model run`);
   const [x, y] = position.map((value, side) => value ?? /** @type {number} */ (size[side]) / 2);
   const [a, b] = /** @type {number[]} */ (size);
-  if (!(x > 0 && x < a && y > 0 && y < b)) throw new Unsupported("target.position must lie between the edges: a support does not deflect");
+  const inside = [x, a - x, y, b - y].every((distance, k) => distance > 0 || (distance === 0 && scene.edges[k] === "free"));
+  if (!inside) throw new Unsupported("target.position must lie between the edges, or on a free one: a support does not deflect");
   return { size: [a, b], position: [x, y] };
 }
 
-/** A plate with sides and its modes, by the core's closed form; the latest is kept. @param {Scene} scene */
+/** A plate with sides and its modes; the latest is kept. @param {Scene} scene */
 function plateNow(scene) {
   const sides = sidesOf(scene);
   if (!sides) return null;
-  const { size: [a, b], position: [x, y] } = sides;
-  const { mass, d11, mixed, d22, part } = FORMULAS[scene.base.plate.numbers](entriesOf(scene));
-  const key = [a, b, mass, d11, mixed, d22, x, y].join(" ");
+  const { size: [a, b], position: point } = sides;
+  const { part, ...numbers } = FORMULAS[scene.base.plate.numbers](entriesOf(scene));
+  const edges = scene.edges.map((edge) => DATA.edges.indexOf(edge));
+  const key = [a, b, ...Object.values(numbers), ...point, ...edges].join(" ");
   if (CORE.plate.key === key) return CORE.plate;
-  const whole = [a, b, mass, d11, mixed, d22, 0];
+  const whole = /** @type {Panel} */ (/** @type {any} */ ({ a, b, edges, ...numbers }));
+  const plate = edges.some((edge) => edge !== 0) ? ofEdges(whole, point) : ofSimpleEdges(whole, point);
+  CORE.plate = Object.assign(plate, { key, part, lacking: null, modes: {} });
+  return CORE.plate;
+}
+
+/** A simply supported plate, by the core's closed form. @param {Panel} plate @param {number[]} point */
+function ofSimpleEdges({ a, b, mass, d11, d12, d22, d66 }, [x, y]) {
+  const whole = [a, b, mass, d11, d12 + 2 * d66, d22, 0];
   const upTo = (/** @type {number} */ highest) => CORE.plateModes(whole, x, y, highest);
   const { most_computed: limit, least_frequency: least } = DATA.constants.vibration;
   let [lowest, highest] = [least, 2 ** 60];
   while (CORE.ofPlate(whole, (place) => CORE.c.film_plate_most(place, highest)) > limit) highest /= 2 ** 0.25;
   while (lowest < highest && upTo(lowest).frequency.length === 0) lowest *= 2;
   const compliance = CORE.ofPlate(whole, (place) => CORE.c.film_plate_compliance(place, x, y));
-  CORE.plate = { key, part, compliance, lowest: upTo(lowest).frequency[0] ?? 0, highest, lacking: null, modes: {}, upTo };
-  return CORE.plate;
+  return { held: true, compliance, compliance_error: 0, lowest: upTo(lowest).frequency[0] ?? 0, highest, upTo };
+}
+
+/** A plate with other edges, by Ritz's method; what takes long is computed when it is needed. @param {Panel} panel @param {number[]} point */
+function ofEdges(panel, point) {
+  const { least_frequency: least } = DATA.constants.vibration;
+  const { most_work: most, sharpness: [[sharpness]], least: functions } = DATA.constants.ritz;
+  /** @type {Map<number, any>} */
+  const known = new Map();
+  const upTo = (/** @type {number} */ limit) => {
+    if (!known.has(limit)) known.set(limit, panelModes(panel, point, limit));
+    return known.get(limit);
+  };
+  let [few, highest] = [least, 2 ** 60];
+  while (workOfPanel(panel, point, highest) > most) highest /= 2 ** 0.25;
+  while (Math.max(...[0, 1].map((along) => halfWaves(panel, along, 16 * sharpness * few))) < functions - 2) few *= 16;
+  const bends = () => upTo(few).frequency.find((/** @type {number} */ own) => own > 0);
+  /** @type {{compliance: number, error: number}|undefined} */
+  let found;
+  const statics = () => (found ??= panelCompliance(panel, point));
+  return {
+    held: !loose(panel),
+    limited: true,
+    highest,
+    upTo,
+    get compliance() {
+      return statics().compliance;
+    },
+    get compliance_error() {
+      return statics().error;
+    },
+    get lowest() {
+      while (few < highest && !bends()) few *= 16;
+      return bends() ?? 0;
+    },
+  };
 }
 
 /**
@@ -73,8 +115,9 @@ function edgesOfPlate(scene, n, law, support) {
     throw new Unsupported(`law ${law.name} cannot be in series with a static stiffness`);
   }
   const bent = problemOf(law, n, Infinity, 0, support.compliance);
-  ratio = FORMULAS[plate.inertia](bent.p, trial(bent), n, support.compliance, support.part).ratio;
-  if (inertia !== false && !(inertia === "auto" && Number(ratio) <= toleranceOf(scene))) return moving("vibrating");
+  if (support.held) ratio = Number(FORMULAS[plate.inertia](bent.p, trial(bent), n, support.compliance, support.part).ratio);
+  else if (inertia === false) throw new Unsupported("effects.target_inertia is false, but nothing holds the plate: it has no static stiffness");
+  if (inertia !== false && !(inertia === "auto" && ratio !== null && ratio <= toleranceOf(scene))) return moving("vibrating");
   reflections = changeOf(bent, infinite);
   return moving("static");
 }

@@ -3,7 +3,7 @@
 /**
  * A scene on the page. base: the scene of DATA from which it comes; values: its entries by path, SI, null if missing.
  * @typedef {{base: any, values: Record<string, number|null>, title: string, materials: Record<string, string>,
- *   edges: string, law: string, effects: Record<string, string|boolean>, tolerance: number|null,
+ *   edges: string[], law: string, effects: Record<string, string|boolean>, tolerance: number|null,
  *   solver: {accuracy: number|null, segments: number|null, linearisation: string}}} Scene
  */
 
@@ -50,7 +50,8 @@ const nameOf = (entry) => entry.replace("flow", "yield").replaceAll("_", " ");
 /** The law of that name, if the scene's values allow it; otherwise the reason. @param {Scene} scene @param {any} n @param {string} name */
 function lawOf(scene, n, name) {
   let reason = `law ${name} is not on this page`;
-  for (const index of scene.base.laws) {
+  const { laws, plain, law: own } = scene.base;
+  for (const index of scene.law === own ? laws : [...plain, ...laws]) {
     const law = DATA.laws[index];
     if (law.name !== name) continue;
     const missing = law.needs.filter((/** @type {string} */ entry) => Number.isNaN(n[entry]) || n[entry] === Infinity);

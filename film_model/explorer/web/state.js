@@ -14,10 +14,18 @@ function sceneOf(base) {
     if (material) materials[body] = typeof material === "string" ? material : (material.name ?? "");
   }
   const { title, law, effects, tolerance, solver } = base;
-  const scene = { base, values, materials, title, edges: DATA.edges[0], law, effects: { ...effects }, tolerance, solver: { ...solver } };
+  const scene = { base, values, materials, title, edges: edgesOfTable(base.table.target), law, effects: { ...effects }, tolerance, solver: { ...solver } };
   chooseLaw(scene, law);
   return scene;
 }
+
+/** The edges of a plate at x = 0, x = a, y = 0, y = b. @param {any} target @returns {string[]} */
+function edgesOfTable({ edges = DATA.edges[0] }) {
+  return typeof edges === "string" ? [edges, edges, edges, edges] : [...edges];
+}
+
+/** One word, if all edges are alike. @param {Scene} scene */
+const edgesForTable = ({ edges }) => (new Set(edges).size === 1 ? edges[0] : edges);
 
 /** The law of that name among those that the page has for a scene. @param {Scene} scene @param {string} name */
 function lawNamed(scene, name) {
@@ -38,8 +46,8 @@ function chooseLaw(scene, name) {
 
 /** A copy. @param {Scene} scene @returns {Scene} */
 function copyOf(scene) {
-  const { values, materials, effects, solver } = scene;
-  return { ...scene, values: { ...values }, materials: { ...materials }, effects: { ...effects }, solver: { ...solver } };
+  const { values, materials, edges, effects, solver } = scene;
+  return { ...scene, edges: [...edges], values: { ...values }, materials: { ...materials }, effects: { ...effects }, solver: { ...solver } };
 }
 
 /** Whether a value is in the range of its entry. @param {any} input @param {number} value */
@@ -70,7 +78,7 @@ function fragmentOf(scene) {
   for (const [body, name] of Object.entries(scene.materials)) {
     if (name !== start.materials[body]) found.set(`${body}.material`, name);
   }
-  if (scene.edges !== start.edges) found.set("target.edges", scene.edges);
+  if (scene.edges.join() !== start.edges.join()) found.set("target.edges", String(edgesForTable(scene)));
   if (scene.title !== start.title) found.set("title", scene.title);
   for (const [name, value] of Object.entries(scene.effects)) {
     if (value !== start.effects[name]) found.set(name, String(value));
@@ -109,8 +117,10 @@ function applied(scene, key, text) {
     scene.values[key] = none ? null : number;
   } else if (key.endsWith(".material") && key.slice(0, -9) in scene.materials) {
     scene.materials[key.slice(0, -9)] = text.slice(0, 200);
-  } else if (key === "target.edges" && scene.base.plate && DATA.edges.includes(text)) {
-    scene.edges = text;
+  } else if (key === "target.edges" && scene.base.plate) {
+    const edges = edgesOfTable({ edges: text.includes(",") ? text.split(",") : text });
+    if (edges.length !== 4 || !edges.every((edge) => DATA.edges.includes(edge))) return false;
+    scene.edges = edges;
   } else if (key === "title") {
     scene.title = text.slice(0, 500);
   } else if (key === "law" && lawNames(scene).includes(text)) {
@@ -159,7 +169,7 @@ function tableOf(scene) {
     table.target[name] = table.target[name].filter(() => true);
     if (!table.target[name].length) delete table.target[name];
   }
-  if (scene.edges !== DATA.edges[0]) table.target.edges = scene.edges;
+  if (scene.base.plate) table.target.edges = edgesForTable(scene);
   setLaw(scene, (table.contact ??= {}));
   table.effects = { ...table.effects, ...scene.effects };
   if (scene.tolerance !== null) table.effects.tolerance = scene.tolerance;

@@ -32,6 +32,7 @@ function reasonOf(error) {
 
 const VELOCITIES = 41;
 const VELOCITIES_ON_MODES = 11; // each takes some milliseconds
+const LONGEST_STUDY = 1000; // ms, after which it ends below the highest velocities
 
 /** Velocity and restitution of impacts from a tenth to ten times the scene's velocity. @param {Scene} scene @param {boolean} vibrates */
 function restitutionCurve(scene, vibrates) {
@@ -41,7 +42,8 @@ function restitutionCurve(scene, vibrates) {
   /** @type {{x: number[], y: number[]}} */
   const curve = { x: [], y: [] };
   const places = vibrates ? VELOCITIES_ON_MODES : VELOCITIES;
-  for (let k = 0; k < places; k++) {
+  const start = performance.now();
+  for (let k = 0; k < places && !(CORE.plate.limited && performance.now() - start > LONGEST_STUDY); k++) {
     const factor = 10 ** ((2 * k) / (places - 1) - 1);
     const other = copyOf(scene);
     other.values[path] = own * factor ** power;

@@ -1,5 +1,5 @@
 /* A simply supported rectangular plate in closed form, as film_plate.h says. */
-#include "modal/film_plate.h"
+#include "plate/film_plate.h"
 
 #include "modal/film_modal.h"
 

@@ -1,0 +1,114 @@
+"""The core's plates with any edges, seen from Python. Nothing else knows their structure (film_panel.h)."""
+
+from __future__ import annotations
+
+import ctypes as c
+from collections.abc import Sequence
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from film_model.core import native
+
+Array = NDArray[np.float64]
+Index = NDArray[np.intp]
+
+_D, _I = c.c_double, c.c_int32
+EDGES = "simply supported", "clamped", "free"
+"""Kinds of edges, in the order of their numbers in the core."""
+
+
+class Functions(c.Structure):
+    """film_ritz: functions on a line; without arrays sines."""
+
+    _fields_ = [
+        *((name, _I) for name in ("functions", "shapes", "degree", "halves")),
+        *((name, c.c_void_p) for name in ("series", "bent", "sloped", "crossed", "odd")),
+    ]
+
+
+class Panel(c.Structure):
+    """film_panel, in any units."""
+
+    _fields_ = [
+        *((name, _D) for name in ("mass", "d11", "d12", "d22", "d66", "a", "b")),
+        *(("springs", _D * 4), ("bed", _D), ("edges", _I * 4)),
+    ]
+
+
+@lru_cache(maxsize=1)
+def _library() -> Any:
+    """The core's library, with the functions of film_panel.h and film_ritz.h declared."""
+    lib, p = native.library(), c.c_void_p
+    signatures: dict[str, tuple[list[Any], Any]] = {
+        "film_ritz_kept": ([_I], c.c_int64),
+        "film_ritz_size": ([_I], c.c_int64),
+        "film_ritz_make": ([p, p, _I, _I, p], _I),
+        "film_panel_waves": ([p, _I, _D], _D),
+        "film_panel_degree": ([p, _D, _D, _D], _I),
+        "film_panel_groups": ([p, p, p], _I),
+        "film_panel_group": ([p, p, p, _D, _I, _I, p, p], _I),
+        "film_panel_energy": ([p, p, p, _I, p, p, p], None),
+        "film_panel_levy": ([p, _D, _D], _D),
+    }
+    for name, (arguments, result) in signatures.items():
+        function = getattr(lib, name)
+        function.argtypes, function.restype = arguments, result
+    return lib
+
+
+def functions(shapes: int, arrays: Sequence[NDArray[Any]], halves: int) -> Functions:
+    """Functions from Legendre coefficients, ∫f″², ∫f′g′, ∫f″g and whether they are odd, in contiguous arrays that must
+    outlive them."""
+    count, width = arrays[0].shape
+    return Functions(count, shapes, width - 1, halves, *(array.ctypes.data for array in arrays))
+
+
+def made(ends: tuple[str, str], degree: int, count: int) -> tuple[Array, Array, Array, Array]:
+    """The core's own Legendre coefficients, ∫f″², ∫f′g′ and ∫f″g, as of film_ritz_make."""
+    lib, found = _library(), Functions()
+    memory, kinds = np.zeros(lib.film_ritz_size(degree)), (_I * 2)(*map(EDGES.index, ends))
+    if lib.film_ritz_make(c.byref(found), kinds, degree, count, memory.ctypes.data):
+        raise ValueError(f"polynomials up to degree {degree} have fewer than {count} shapes")
+    n = found.functions
+    sizes = np.cumsum([n * (degree + 1), n, n * n, n * n])
+    series, bent, sloped, crossed = np.split(memory[: sizes[-1]], sizes[:-1])
+    return series.reshape(n, -1), bent, sloped.reshape(n, n), crossed.reshape(n, n)
+
+
+def waves(panel: Panel, along: int, highest: float) -> float:
+    """Half-waves along x (0) or y (1) up to a frequency."""
+    return _library().film_panel_waves(c.byref(panel), along, highest)
+
+
+def degree(panel: Panel, wave: float, highest: float, spare: float) -> int:
+    """Degree of the polynomials along y that resolve the vibrations of half-waves along x."""
+    return _library().film_panel_degree(c.byref(panel), wave, highest, spare)
+
+
+def groups(panel: Panel, x: Functions, y: Functions, highest: float, least: int) -> list[tuple[Index, Index]]:
+    """The products p, q up to a frequency, in groups that do not interact."""
+    lib, sides = _library(), (c.byref(panel), c.byref(x), c.byref(y))
+    room = np.empty((2, x.functions * y.functions), np.int32)
+    found: list[tuple[Index, Index]] = []
+    for group in range(lib.film_panel_groups(*sides)):
+        count = lib.film_panel_group(*sides, highest, least, group, room[0].ctypes.data, room[1].ctypes.data)
+        p, q = room[:, :count].astype(np.intp)
+        found.append((p, q))
+    return [block for block in found if block[0].size]
+
+
+def energy(panel: Panel, x: Functions, y: Functions, p: Index, q: Index) -> Array:
+    """Matrix of the energy of the products f_p(x) g_q(y), orthonormal in ∫∫w²."""
+    rows, columns = (np.ascontiguousarray(index, np.int32) for index in (p, q))
+    found = np.empty((p.size, p.size))
+    given = c.byref(panel), c.byref(x), c.byref(y), p.size, rows.ctypes.data, columns.ctypes.data, found.ctypes.data
+    _library().film_panel_energy(*given)
+    return found
+
+
+def levy(panel: Panel, x: float, y: float) -> float:
+    """Static deflection over force of a plate whose edges at y = 0 and b are simply supported."""
+    return _library().film_panel_levy(c.byref(panel), x, y)

@@ -25,7 +25,8 @@ class Effects(InUnits):
     force by its static stiffness alone. rate_hardening: the yield strength at the strain rate of the impact.
     viscoelasticity: the relaxation of materials with a prony series, under law hertz; false takes their instantaneous
     moduli. material_damping: the loss factors of the materials, of law "auto"; true takes them in place of a law that
-    yields. wave_losses: the energy of waves in a half-space, of law "auto"; true also of other laws.
+    yields. wave_losses: the energy of waves in a half-space, of law "auto"; true also of other laws. stretching:
+    membrane forces of a plate or beam with in_plane.
     tolerance: "auto" simulates an effect if neglecting it would change a summary value by more than this relative
     amount. An effect that would, but cannot be simulated, causes a warning. Default: 1 %, or the requested accuracy if
     that is larger. A finer accuracy does not lower it, so that refining a mesh does not change the physics.
@@ -39,7 +40,7 @@ class Effects(InUnits):
             name: choice("auto", True, False)
             for name in (
                 *("plasticity", "target_motion", "gravity", "boundary_reflections", "target_inertia"),
-                *("rate_hardening", "viscoelasticity", "material_damping", "wave_losses"),
+                *("rate_hardening", "viscoelasticity", "material_damping", "wave_losses", "stretching"),
             )
         },
         "tolerance": measure("dimensionless", 1e-12, 1),
@@ -54,6 +55,7 @@ class Effects(InUnits):
     viscoelasticity: Switch
     material_damping: Switch
     wave_losses: Switch
+    stretching: Switch
     tolerance: float | None
 
     def __init__(
@@ -68,6 +70,7 @@ class Effects(InUnits):
         viscoelasticity: Switch = "auto",
         material_damping: Switch = "auto",
         wave_losses: Switch = "auto",
+        stretching: Switch = "auto",
     ) -> None:
         raise_all(fill(self, locals()))
 

@@ -28,7 +28,7 @@ ONE_IMPACT = (*platforms.core("march", "marched", "compare", "solve"), *platform
 PLATES = platforms.core("modal", "plate")
 SOURCES = (
     *platforms.MARCH,
-    *platforms.core("tables", "tables", "gauss", "way_in", "way_out", "way_through"),
+    *platforms.core("tables", "tables", "gauss", "way_in", "way_out"),
     *platforms.core("lanes", "lanes", "avx2", "avx512"),
     *platforms.core("batch", "batch", "batch_shape", "impact", "in_series", "many", "single"),
     *platforms.MODES,

@@ -1,7 +1,7 @@
-"""Write film_model/problem/model_intervals.json: `python examples/model_intervals.py [FILE]`.
+"""Write film_model/problem/model_intervals.json: `python -m examples.model_intervals [FILE]`.
 
 The residuals of the measured rows that are not held out, under law "auto" with rate hardening and without; run it when
-that law or the rows change, and then `python examples/validation_page.py`.
+that law or the rows change, and then `python -m examples.validation_page`.
 """
 
 import json
@@ -9,10 +9,10 @@ import sys
 from pathlib import Path
 
 import film_datasets as fd
+from examples.measured_residuals import predictions, residuals, slow_predictions
 from film_datasets.evidence import evidence_rows
 from film_model.problem.law_of_scene import ELASTIC, YIELDING
 from film_model.problem.model_intervals import STORED
-from film_model.studies.residuals import predictions, residuals, slow_predictions
 
 
 def main(path: Path = Path(STORED)) -> Path:

@@ -1,10 +1,10 @@
 """Write docs/validation.md, its picture, and the errors in docs/understand/choosing_a_law.md.
 
-`python examples/validation_page.py [FOLDER]`.
+`python -m examples.validation_page [FOLDER]`.
 
 The laws against the published datasets `measured_impacts` and `finite_element_impacts`, with a section for each kind of
 evidence.
-Every number is computed here, but for the intervals of the model, which `python examples/model_intervals.py` stores:
+Every number is computed here, but for the intervals of the model, which `python -m examples.model_intervals` stores:
 run that first when a law or the rows change.
 """
 
@@ -20,6 +20,8 @@ import numpy as np
 
 import film_datasets as fd
 import film_model as fm
+from examples.finite_elements.against_laws import COMPARED, FASTEST, Runs, errors, runs_of
+from examples.measured_residuals import coverage, coverage_of_new_sources, slow_predictions
 from film_datasets.evidence import evidence_rows
 from film_model.laws import LAWS
 from film_model.plot.validation import RESTITUTION as REBOUND
@@ -28,8 +30,6 @@ from film_model.problem.law_of_scene import YIELDING
 from film_model.problem.model_intervals import FAMILIES, residuals_of, stored
 from film_model.scene import Solver
 from film_model.solve.batch import simulate_many
-from film_model.studies.finite_elements import COMPARED, FASTEST, Runs, errors, runs_of
-from film_model.studies.residuals import coverage, coverage_of_new_sources, slow_predictions
 from film_model.studies.validation import (
     AUTO,
     GROUPS,

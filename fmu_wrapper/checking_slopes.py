@@ -11,7 +11,7 @@ from film_model.base.errors import SimulationError
 from fmu_wrapper.findings import Finding
 from fmu_wrapper.instance import Fmu, Slave, started
 from fmu_wrapper.resource import start_values
-from fmu_wrapper.variables import LEFT, VARIABLES, Real, Variable, reference
+from fmu_wrapper.variables import LEFT, VARIABLES, Real, reference
 
 ALLOWED = 1e-6
 """Allowed difference relative to the larger of the derivative and the output over the parameter; of energies, to the
@@ -34,10 +34,13 @@ def compared_slopes(fmu: Fmu, stop: float) -> Iterator[Finding]:
         return
     with started(fmu, False, {}) as slave:
         slave.step(0.0, stop)
-        parameters = [name for name in start_values(fmu.data) if _is_real_parameter(VARIABLES[reference(name)])]
+        known = ((name, VARIABLES[reference(name)]) for name in start_values(fmu.data))
+        parameters = [name for name, v in known if v.type == Real and v.causality.get("impact") == "parameter"]
         values = slave.get(parameters)
         sizes = _sizes(slave.get(LEFT), fmu.data.start[reference("mass")])
-        slopes = {name: _slopes(slave, name) for name in parameters if values[name] != 0.0}
+        slopes = {
+            name: np.array([_slope(slave, of, name) for of in LEFT]) for name in parameters if values[name] != 0.0
+        }
     for name, slope in slopes.items():
         h = STEP * (0.1 if name == "exponent" else values[name])  # as the FMU does
         low, high = VARIABLES[reference(name)].low, VARIABLES[reference(name)].high
@@ -64,19 +67,10 @@ def _sizes(left: dict[str, float], mass: float) -> Array:
     return np.array([most if name in energies else abs(value) for name, value in left.items()])
 
 
-def _is_real_parameter(v: Variable) -> bool:
-    return v.type == Real and v.causality.get("impact") == "parameter"
-
-
 def _left(fmu: Fmu, name: str, value: float, stop: float) -> list[float]:
     with started(fmu, False, {name: value}) as slave:
         slave.step(0.0, stop)
         return list(slave.get(LEFT).values())
-
-
-def _slopes(slave: Slave, by: str) -> Array:
-    """Derivatives of the outputs in `LEFT`, nan where the FMU refuses one."""
-    return np.array([_slope(slave, of, by) for of in LEFT])
 
 
 def _slope(slave: Slave, of: str, by: str) -> float:

@@ -142,7 +142,8 @@ def documentation(
     ]
     if history is not None:
         parts.append('<p><img src="law.svg" alt="Contact force over indentation"></p>')
-    parts += ["<h2>Effects</h2>", _table(("effect", "state", "reason"), _effect_rows(choice))]
+    effects = [(effect.name.replace("_", " "), effect.state, effect.reason) for effect in choice.effects]
+    parts += ["<h2>Effects</h2>", _table(("effect", "state", "reason"), effects)]
     warnings = history.warnings if history is not None else choice.warnings
     parts += [f"<p><strong>Warning:</strong> {html.escape(warning)}</p>" for warning in warnings]
     parts += ["<h2>Steps</h2>", *_steps(kind, data, history, experiment)]
@@ -269,10 +270,6 @@ def _summary_rows(history: History) -> list[tuple[str, ...]]:
         value = history.summary[name]
         rows.append((name.replace("_", " "), "–" if value is None else format_si(value, dimension, 6)))
     return [*rows, ("estimated relative error", f"≤ {history.accuracy.estimated:.1e} of every value")]
-
-
-def _effect_rows(choice: Choice) -> list[tuple[str, ...]]:
-    return [(effect.name.replace("_", " "), effect.state, effect.reason) for effect in choice.effects]
 
 
 def _variable_rows(data: Data, scene: Scene) -> list[tuple[str, ...]]:

@@ -127,7 +127,8 @@ def prefixed_sources(identifier: str, fmi_version: int) -> dict[str, bytes]:
     All are in one folder, so includes lose theirs. The names of FMI's own functions are changed by FMI2_FUNCTION_PREFIX
     or FMI3_FUNCTION_PREFIX, as the standards say.
     """
-    texts = {Path(name).name: _flat((ROOT / name).read_bytes()) for name in (*SOURCES, *HEADERS)}
+    sources = {Path(name).name: (ROOT / name).read_bytes() for name in (*SOURCES, *HEADERS)}
+    texts = {name: re.sub(rb'#include "\w+/', b'#include "', source) for name, source in sources.items()}
     del texts["fmi3.c" if fmi_version == 2 else "fmi2.c"]
     together = b"\n".join(texts.values())
     tables = b", ".join(re.findall(rb"\bextern const \w+ ([\w, ]+);", together)).split(b", ")
@@ -135,10 +136,6 @@ def prefixed_sources(identifier: str, fmi_version: int) -> dict[str, bytes]:
     made = {name: b'#include "prefix.h"\n' + text if name.endswith(".c") else text for name, text in texts.items()}
     lines = [b"#define %s %s_%s\n" % (one, identifier.encode(), one) for one in names]
     return {**made, "prefix.h": b"/* Names of functions and tables in this FMU. */\n" + b"".join(lines)}
-
-
-def _flat(source: bytes) -> bytes:
-    return re.sub(rb'#include "\w+/', b'#include "', source)
 
 
 def license_text() -> bytes:

@@ -5,6 +5,7 @@ A target that vibrates or has a static stiffness stays with its impactor, in one
 from __future__ import annotations
 
 import os
+import re
 import tempfile
 import zipfile
 from collections.abc import Sequence
@@ -134,7 +135,11 @@ def _elements(scene: Scene, choice: Choice, contact: Data, mass: Data) -> list[E
     soft = SOFTER * mass.start[reference("power_stiffness")]
     body, rate = scene.target, scene.approach_velocity
     gravity = STANDARD_GRAVITY if choice.problem.load > 0.0 else 0.0
-    law = {name: value for name, value in resource.start_values(contact).items() if _is_parameter(name)}
+    law = {
+        name: value
+        for name, value in resource.start_values(contact).items()
+        if name in (*OF_LAW, "input_extrapolation")
+    }
     free = {"gravity": gravity, "power_stiffness": soft}
     impactor = {"mass": scene.mass, "initial_velocity": body.velocity + rate, "support_velocity": body.velocity}
     elements = [
@@ -146,10 +151,6 @@ def _elements(scene: Scene, choice: Choice, contact: Data, mass: Data) -> list[E
         other = {"mass": body.own_mass, "initial_velocity": body.velocity}
         elements.append(Element("target", "resources/mass.fmu", mass, {**other, **free}))
     return elements
-
-
-def _is_parameter(name: str) -> bool:
-    return name in (*OF_LAW, "input_extrapolation")
 
 
 def _connections(scene: Scene, choice: Choice) -> list[Connection]:
@@ -189,7 +190,8 @@ def _materials(scene: Scene, contact: Data) -> tuple[dict[str, bytes], dict[str,
     if len({tuple(values.values()) for values in parameters.values()}) == 1:
         left_out |= dict.fromkeys(parameters, "the contact law of the scene does not depend on the target's material")
         parameters = {}
-    files = {f"resources/materials/{_stem(name)}.ssv": values for name, values in parameters.items()}
+    stems = {name: re.sub(r"[\W_]", "_", name) for name in parameters}
+    files = {f"resources/materials/{stems[name]}.ssv": values for name, values in parameters.items()}
     return {path: parameter_set(Path(path).stem, values) for path, values in files.items()}, left_out
 
 
@@ -207,7 +209,3 @@ def _of_material(scene: Scene, name: str, contact: Data) -> dict[str, float]:
     if not shaped and bytes(other.curve.native) != bytes(contact.curve):
         raise ValueError("the stages of the law differ from those of the exported contact")
     return values
-
-
-def _stem(name: str) -> str:
-    return "".join(c if c.isalnum() else "_" for c in name)

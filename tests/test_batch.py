@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 from cases import DAMPED, LAWS, combinations, loads_straight, scene, zener_scene
 from scipy.integrate import solve_ivp
-from scipy.optimize import brentq
 from scipy.special import hyp2f1
 
 import film_model as fm
@@ -282,47 +281,18 @@ def test_ways_of_exponent_three_halves_come_from_exact_tables():
     assert np.array_equal(found["shift"], gamma * (1.0 - found["final_velocity"]))  # momentum
 
 
-def test_elastic_stages_are_crossed_by_an_exact_table():
-    """Thornton's law at random numbers: behind the elastic stage it is linear, so that each line is exact.
-
-    Beyond the table lines cross the stage, and the march serves impacts that turn near its end.
-    """
-    tables = runpy.run_path(str(Path(__file__).parents[1] / "examples" / "map_tables.py"))
-    rng = np.random.default_rng(4)
-    push, margin = np.append(rng.uniform(0, 0.7, 61), [0.71, 0.8]), rng.uniform(0.01, 1, 63)
-    share = tables["largest_share"](push).astype(float) * (1.0 - margin**2)
-    nu = np.sqrt(0.8 / share)
-    start = starts(nu, push * nu)
-    velocity, time = tables["way_through"](push, share).astype(float)
-    mesh = native.mesh(native.WORK_PRESERVING, 40, 40)
-    status, found = native.batch(curve_of(fm.Thornton(1e11, 0.01, 1e9)).native, mesh, start)
-    assert (status == native.EVENT).all()
-    in_table = found["lines"] == 40
-    assert in_table[push < 0.7].mean() > 0.7
-    assert (found["lines"][push > 0.7] >= 80).all()
-    turned = [turn_on_a_line(*numbers) for numbers in zip(velocity * nu, start["gamma"].tolist(), strict=True)]
-    depth, further = np.array(turned).T
-    for name, expected, error in (
-        ("maximum_indentation", 1.0 + depth, 1e-12),
-        ("time_of_maximum_indentation", time / nu + further, 1e-9),
-    ):
-        off = np.abs(found[name] / expected - 1.0)
-        assert off[in_table].max() < error, name
-        assert off.max() < 1e-5, name
-
-
-def test_a_power_law_beyond_yield_needs_no_lines():
-    """Big-Alabo's law on plates against an integrator: steps shorten as segments become more, up to 13 of them."""
+def test_a_power_law_beyond_yield_needs_lines_up_to_it_only():
+    """Big-Alabo's law on plates against an integrator: the error is that of the lines across the elastic stage."""
     rng = np.random.default_rng(12)
     nu = np.append(np.exp(rng.uniform(math.log(1.8), math.log(30.0), 12)), 1.5)
     start = starts(nu, rng.uniform(0.02, 0.6, nu.size))
     law = fm.BigAlabo(1e11, 0.01, 1e9)
     exact = [turn_beyond_yield(*numbers) for numbers in zip(nu.tolist(), start["gamma"].tolist(), strict=True)]
-    for segments, error in ((3, 3e-4), (4, 1e-5), (6, 1e-7), (13, 2e-11)):
+    for segments, error in ((3, 8e-5), (4, 3e-5), (6, 6e-6), (13, 3e-7)):
         mesh = native.mesh(native.WORK_PRESERVING, segments, 40)
         status, found = native.batch(curve_of(law).native, mesh, start)
         assert (status == native.EVENT).all()
-        assert (found["lines"] == 0).all()
+        assert (found["lines"] == segments).all()
         for name, values in zip(("maximum_indentation", "time_of_maximum_indentation"), np.array(exact).T, strict=True):
             assert np.abs(found[name] / values - 1.0).max() < error, name
 
@@ -345,20 +315,6 @@ def turn_beyond_yield(nu, gamma):
         z, speed, time = way.y_events[0][0]
         begin = [0.0, speed, time]
     return 1.0 + z * z, time
-
-
-def turn_on_a_line(w, gamma):
-    """How much further Thornton's law lets an impactor go that yields with the velocity w, and how long that takes."""
-    law = np.array([[0.0, -1.5], [1.0, -1.5 * gamma]])  # w' = −(1 + 1.5 x), x' = w − γ (1 + 1.5 x)
-    values, vectors = np.linalg.eig(law.astype(complex))
-    rest = np.linalg.solve(law, [1.0, gamma])
-    parts = np.linalg.solve(vectors, np.array([w, 0.0]) - rest)
-
-    def state(t):
-        return (vectors @ (parts * np.exp(values * t))).real + rest
-
-    time = brentq(lambda t: state(t)[0] - gamma * (1.0 + 1.5 * state(t)[1]), 0.0, 2.0, xtol=1e-15)
-    return state(time)[1], time
 
 
 @pytest.mark.parametrize(("segments", "error"), [(7, 1e-4), (20, 1e-6)])

@@ -120,8 +120,7 @@ def test_method_figures(tmp_path):
 
 @pytest.mark.slow
 def test_map_tables():
-    """The core's tables of one number are what the script writes, but for the order in which NumPy sums; that of two is
-    checked by test_batch::test_elastic_stages_are_crossed_by_an_exact_table."""
+    """The core's tables are what the script writes, but for the order in which NumPy sums."""
     tables = example("map_tables")
     for name in tables.TABLES:
         made, kept = tables.text(name), (tables.CORE / f"{name}.c").read_text(encoding="utf-8")

@@ -14,12 +14,12 @@ import film_model as fm
 from film_model.laws.elastoplastic import FITTED
 from film_model.laws.yielding import limit_point
 from film_model.solve.batch import simulate_many
-from film_model.studies import finite_elements
 
 FOLDER = Path(__file__).parent.parent / "examples" / "finite_elements"
 sys.path.insert(0, str(FOLDER))
 
 import again  # noqa: E402
+import against_laws as finite_elements  # noqa: E402
 import fit  # noqa: E402
 import fit_pairs  # noqa: E402
 import pair  # noqa: E402

@@ -9,6 +9,7 @@ import pytest
 
 import film_datasets as fd
 import film_model as fm
+from examples.measured_residuals import central, coverage, coverage_of_new_sources, predictions, slow_predictions
 from film_datasets.evidence import evidence_rows
 from film_model.cli.main import main
 from film_model.problem.model_intervals import (
@@ -26,7 +27,6 @@ from film_model.problem.model_intervals import (
     yield_velocities,
 )
 from film_model.scene.columns import scene_of_columns
-from film_model.studies.residuals import central, coverage, coverage_of_new_sources, predictions, slow_predictions
 from film_model.studies.validation import scene_of
 
 STEEL = {"youngs_modulus": "210 GPa", "poissons_ratio": 0.3, "density": "7850 kg/m^3", "yield_strength": "1.2 GPa"}

@@ -8,13 +8,13 @@ from dataclasses import fields, replace
 
 import numpy as np
 import xarray as xr
+from against_laws import FASTEST, first_pressure
 from scipy.integrate import cumulative_simpson
 from scipy.optimize import least_squares
 
 import film_datasets as fd
 from film_model.base.flow_stress import flow_of_yield
 from film_model.laws.elastoplastic import COMPARED_STRAIN, FITTED, Constants, Plastic, pressure_factor, scaled_strain
-from film_model.studies.finite_elements import FASTEST, first_pressure
 
 Arrays = dict[str, np.ndarray]
 

@@ -1,7 +1,7 @@
 """Fields of the objects a scene is made of: how each is read, checked and written.
 
-Every such class has one table `FIELDS`, name → :class:`Field`. Its constructor and the reader and writer of scene files
-use that table. The constructors take quantities and store SI floats.
+Every such class has one table `FIELDS`, name → :class:`Field`, of the entries in its body. Its constructor and the
+reader and writer of scene files use that table. The constructors take quantities and store SI floats.
 """
 
 from __future__ import annotations
@@ -54,8 +54,21 @@ class Part(Protocol):
     FIELDS: ClassVar[Mapping[str, Field]]
 
 
+def entry(field: Field) -> Any:
+    """An entry of a class, annotated with the type that is stored."""
+    return field
+
+
 class InUnits:
     """Shown with the entries that differ from their defaults, six digits and units, in place of the SI floats."""
+
+    FIELDS: ClassVar[Mapping[str, Field]]
+
+    def __init_subclass__(cls) -> None:
+        own = {name: value for name, value in vars(cls).items() if isinstance(value, Field)}
+        setattr(cls, "FIELDS", {**vars(cls).get("FIELDS", {}), **own})  # noqa: B010  # a class may give the table itself
+        for name in own:
+            delattr(cls, name)
 
     def __repr__(self) -> str:
         return f"{type(self).__name__}({', '.join(self.shown_entries())})"

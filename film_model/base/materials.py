@@ -1,16 +1,17 @@
-"""Materials, and a small catalogue of nominal values."""
+"""Materials, and a small catalogue of nominal values, each with its source, in `materials.csv`."""
 
 from __future__ import annotations
 
+import csv
 import math
+import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache, cached_property
-from typing import Any, ClassVar, TypeAlias, cast
+from typing import Any, TypeAlias, cast
 
-from film_model.base.catalogue import ROWS
 from film_model.base.errors import Mistake, raise_all, shown
-from film_model.base.fields import Field, InUnits, fill, measure, mistake, part, words, written
+from film_model.base.fields import Field, InUnits, build, entry, fill, measure, mistake, part, words, written
 from film_model.base.flow_stress import (
     MOST_HARDENING,
     MOST_OVER_YIELD,
@@ -21,7 +22,6 @@ from film_model.base.flow_stress import (
     yield_of_flow,
 )
 from film_model.base.hardness import HARDNESS
-from film_model.base.material_row import Row
 from film_model.base.units import Value, format_si
 
 MOST_RELAXATIONS = 12
@@ -99,47 +99,25 @@ class Material(InUnits):
     7900.0
     """
 
-    FIELDS: ClassVar[Mapping[str, Field]] = {
-        "name": words("a name"),
-        "youngs_modulus": measure("pressure", 1, 1e14, required=True),
-        "poissons_ratio": measure("dimensionless", -1, 0.5, required=True, open_ends=True),
-        "density": measure("density", 1e-3, 1e6, required=True),
-        "yield_strength": measure("pressure", 1, 1e13),
-        "hardness": HARDNESS,
-        "source": words("a source"),
-        "loss_factor": measure("dimensionless", 0, 10),
-        "strain_rate_coefficient": measure("dimensionless", 0, 1),
-        "strain_hardening_exponent": measure("dimensionless", 0, MOST_HARDENING),
-        "strength_coefficient": measure("pressure", 1, 1e13),
-        "strength_exponent": measure("dimensionless", 0, 1, open_ends=True),
-        "rate_multiplier": measure("rate", 1e-9, 1e15),
-        "rate_exponent": measure("dimensionless", 1, 100),
-        "tensile_strength": measure("pressure", 1, 1e12),
-        "surface_energy": measure("surface_energy", 0, 1e3),
-        "fracture_toughness": measure("fracture_toughness", 1, 1e12),
-        "crushing_strength": measure("pressure", 1, 1e12),
-        "prony": PRONY,
-    }
-
-    name: str
-    youngs_modulus: float
-    poissons_ratio: float
-    density: float
-    yield_strength: float | None
-    hardness: float | None
-    source: str
-    loss_factor: float | None
-    strain_rate_coefficient: float | None
-    strain_hardening_exponent: float | None
-    strength_coefficient: float | None
-    strength_exponent: float | None
-    rate_multiplier: float | None
-    rate_exponent: float | None
-    tensile_strength: float | None
-    surface_energy: float | None
-    fracture_toughness: float | None
-    crushing_strength: float | None
-    prony: tuple[tuple[float, float], ...] | None
+    name: str = entry(words("a name"))
+    youngs_modulus: float = entry(measure("pressure", 1, 1e14, required=True))
+    poissons_ratio: float = entry(measure("dimensionless", -1, 0.5, required=True, open_ends=True))
+    density: float = entry(measure("density", 1e-3, 1e6, required=True))
+    yield_strength: float | None = entry(measure("pressure", 1, 1e13))
+    hardness: float | None = entry(HARDNESS)
+    source: str = entry(words("a source"))
+    loss_factor: float | None = entry(measure("dimensionless", 0, 10))
+    strain_rate_coefficient: float | None = entry(measure("dimensionless", 0, 1))
+    strain_hardening_exponent: float | None = entry(measure("dimensionless", 0, MOST_HARDENING))
+    strength_coefficient: float | None = entry(measure("pressure", 1, 1e13))
+    strength_exponent: float | None = entry(measure("dimensionless", 0, 1, open_ends=True))
+    rate_multiplier: float | None = entry(measure("rate", 1e-9, 1e15))
+    rate_exponent: float | None = entry(measure("dimensionless", 1, 100))
+    tensile_strength: float | None = entry(measure("pressure", 1, 1e12))
+    surface_energy: float | None = entry(measure("surface_energy", 0, 1e3))
+    fracture_toughness: float | None = entry(measure("fracture_toughness", 1, 1e12))
+    crushing_strength: float | None = entry(measure("pressure", 1, 1e12))
+    prony: tuple[tuple[float, float], ...] | None = entry(PRONY)
 
     def __init__(
         self,
@@ -237,36 +215,35 @@ AMBIGUOUS = {"steel": ("structural steel S235", "mild steel", "bearing steel", "
 @cache
 def catalogue() -> Mapping[str, Material]:
     """The catalogue, by name. Values are nominal: real ones vary with grade, heat treatment, rate and temperature."""
-    return {row.name: _material(row) for row in ROWS}
+    return {row["name"]: _material(row) for row in _rows()}
 
 
-def _material(row: Row) -> Material:
-    def with_unit(value: float | None, unit: str) -> str | None:
-        return None if value is None else f"{value} {unit}"
+@cache
+def _rows() -> list[dict[str, str]]:
+    """The rows of the table, by its headings: entries of a material, some with their unit, and other names for it."""
+    with open(f"{os.path.splitext(__file__)[0]}.csv", encoding="utf-8", newline="") as file:
+        return list(csv.DictReader(file))
 
-    constants = None if row.johnson_cook is None else (*row.johnson_cook, 1e3 * row.modulus)
-    return Material(
-        row.name,
-        f"{row.modulus} GPa",
-        row.ratio,
-        f"{row.density} kg/m^3",
-        with_unit(row.strength, "MPa"),
-        "; ".join(filter(None, (row.source, row.more))),
-        row.loss,
-        row.rate,
-        with_unit(row.tensile, "MPa"),
-        with_unit(row.surface, "J/m^2"),
-        hardness=row.hardness,
-        strain_hardening_exponent=None if constants is None else johnson_cook_exponent(*constants),
-        fracture_toughness=with_unit(row.toughness, "MPa*m^0.5"),
-        crushing_strength=with_unit(row.crushing, "MPa"),
-    )
+
+def _material(row: Mapping[str, str]) -> Material:
+    given = {heading.partition(" [")[0::2]: cell for heading, cell in row.items() if cell}
+    values = {name: f"{cell} {unit.rstrip(']')}".rstrip() for (name, unit), cell in given.items()}
+    values.pop("other names", None)
+    if constants := values.pop("johnson_cook", None):
+        a, b, exponent = map(float, constants.split()[:3])
+        modulus = 1e3 * float(row["youngs_modulus [GPa]"])  # MPa
+        values["strain_hardening_exponent"] = repr(johnson_cook_exponent(a, b, exponent, modulus))
+    return build(Material, values)
+
+
+def _words(row: Mapping[str, str]) -> tuple[str, ...]:
+    return tuple(row["other names"].split("; ")) if row["other names"] else ()
 
 
 @cache
 def _names() -> Mapping[str, str]:
     """The name of a material by every word for it, in lower case and British spelling."""
-    return {_plain(word): row.name for row in ROWS for word in (*row.words, row.name)}
+    return {_plain(word): row["name"] for row in _rows() for word in (*_words(row), row["name"])}
 
 
 def _plain(name: str) -> str:
@@ -305,13 +282,13 @@ def material(name: str) -> Material:
 
 def synonyms(name: str) -> tuple[str, ...]:
     """Other words for a material of the catalogue."""
-    return next(row.words for row in ROWS if row.name == name)
+    return next(_words(row) for row in _rows() if row["name"] == name)
 
 
 def search(words: str) -> list[Material]:
     """The materials whose name, or one of the other words for it, contains all the words."""
     wanted = _plain(words).split()
-    texts = {row.name: " ".join(map(_plain, (row.name, *row.words))) for row in ROWS}
+    texts = {row["name"]: " ".join(map(_plain, (row["name"], *_words(row)))) for row in _rows()}
     return [catalogue()[name] for name, text in texts.items() if wanted and all(word in text for word in wanted)]
 
 

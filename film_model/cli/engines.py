@@ -84,13 +84,15 @@ def _range(text: str | None) -> tuple[Any, ...]:
 def _text(scene: Scene, made: list[Translation]) -> str:
     """The closest law in full, the others in a row each."""
     best = made[0]
-    speeds = best.velocities
+    speeds, at = best.velocities, f"at {best.velocities[0]:.3g} m/s"
+    if len(speeds) > 1:
+        at = f"at {len(speeds)} velocities, {speeds[0]:.3g} to {speeds[-1]:.3g} m/s"
     lines = [scene.title or "Impact", f"{best.engine.title}, law {best.law.name}: {best.law.formula}"]
     lines += [f"{best.law.source}", ""]
     for p in best.law.parameters:
         number = f"{best.values[p.name]:.6g} {p.unit}".rstrip()
         lines.append(f"  {p.name:{WIDTH}}{number:>24}  {p.meaning}")
-    lines += ["", f"  {'at ' + _speeds(speeds):{WIDTH + 24}}{'error (rms)':>12}{'worst':>10}"]
+    lines += ["", f"  {at:{WIDTH + 24}}{'error (rms)':>12}{'worst':>10}"]
     for name, error in best.errors.items():
         worst = f"{100 * error.worst:+.1f} % at {error.velocity:.3g} m/s"
         lines.append(f"  {name:{WIDTH + 24}}{100 * error.rms:>10.1f} %{worst:>22}")
@@ -107,11 +109,3 @@ def _text(scene: Scene, made: list[Translation]) -> str:
         lines.append(f"    {', '.join(numbers)}")
     lines += ["", *(f"  {note}" for note in best.law.notes), "", best.paste()]
     return "\n".join(lines)
-
-
-def _speeds(speeds: Any) -> str:
-    return (
-        f"{speeds[0]:.3g} m/s"
-        if len(speeds) == 1
-        else f"{len(speeds)} velocities, {speeds[0]:.3g} to {speeds[-1]:.3g} m/s"
-    )

@@ -20,9 +20,5 @@ class Columns:
         def __getattr__(self, name: str) -> Any: ...
 
 
-def _column(name: str) -> property:
-    return property(lambda columns: columns.table[name])
-
-
 for _name in SUMMARY_DTYPE.names or ():  # properties, which take a third of the time of __getattr__
-    setattr(Columns, _name, _column(_name))
+    setattr(Columns, _name, property(lambda columns, name=_name: columns.table[name]))

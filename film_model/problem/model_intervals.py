@@ -1,7 +1,7 @@
 """How far measurements lie from what law "auto" computes: 90 % intervals of the model, by family of impacts.
 
-The intervals come from the residuals ln(measured/computed) of published measurements (`film_model.studies.residuals`),
-which `python examples/model_intervals.py` stores in model_intervals.json. They say nothing about numerical errors.
+The intervals come from the residuals ln(measured/computed) of published measurements, which
+`python -m examples.model_intervals` stores in model_intervals.json. They say nothing about numerical errors.
 """
 
 from __future__ import annotations

@@ -7,10 +7,10 @@ import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any, ClassVar, NamedTuple
+from typing import Any, NamedTuple
 
 from film_model.base.errors import Mistake, SceneError, did_you_mean, raise_all, shown
-from film_model.base.fields import Field, InUnits, build, choice, fill, key_text, measure, part, table_of
+from film_model.base.fields import InUnits, build, choice, entry, fill, key_text, measure, part, table_of
 from film_model.base.units import Value
 from film_model.scene.chain_body import MOST_BODIES, ChainBody
 from film_model.scene.contact import Contact, contact_table
@@ -59,19 +59,12 @@ class Chain(InUnits):
     [-0.0355, 0.0382, 0.4973]
     """
 
-    FIELDS: ClassVar[Mapping[str, Field]] = {
-        "target": part(HalfSpace),
-        "gravity": choice(True, False),
-        "duration": measure("time", 1e-15, 1e9),
-        "accuracy": measure("dimensionless", 1e-12, 0.1, required=True),
-    }
-
+    target: HalfSpace | None = entry(part(HalfSpace))
+    gravity: bool = entry(choice(True, False))
+    duration: float | None = entry(measure("time", 1e-15, 1e9))
+    accuracy: float = entry(measure("dimensionless", 1e-12, 0.1, required=True))
     bodies: tuple[ChainBody, ...]
     contact: Contact
-    target: HalfSpace | None
-    gravity: bool
-    duration: float | None
-    accuracy: float
     title: str
 
     def __init__(

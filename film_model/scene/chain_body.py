@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from typing import Any, ClassVar, cast
 
 from film_model.base.errors import raise_all, shown
-from film_model.base.fields import Field, InUnits, fill_ball, measure, whole, words
+from film_model.base.fields import Field, InUnits, entry, fill_ball, measure, whole, words
 from film_model.base.materials import MASS, MATERIAL, Material, MaterialLike, sphere_mass
 from film_model.base.units import Value
 from film_model.scene.contact import Contact, contact_table
@@ -42,31 +42,17 @@ class ChainBody(InUnits):
     """
 
     is_ball: ClassVar[bool] = True
-    FIELDS: ClassVar[Mapping[str, Field]] = {
-        "radius": measure("length", 1e-10, 1e3, required=True),
-        "mass": MASS,
-        "material": MATERIAL,
-        "velocity": measure("velocity", -2e4, 2e4, required=True),
-        "gap": replace(GAP, required=True),
-        "count": whole(1, MOST_BODIES),
-        "contact": Field(_contact_of, "a Contact is needed", write=contact_table),
-        "name": words("a name"),
-        "behind": words("the name of a body"),
-        "angle": measure("angle", -STEEPEST, STEEPEST),
-        "front_gap": GAP,
-    }
-
-    radius: float
-    mass: float | None
-    material: Material | None
-    velocity: float
-    gap: float
-    count: int
-    contact: Contact | None
-    name: str
-    behind: str
-    angle: float | None
-    front_gap: float | None
+    radius: float = entry(measure("length", 1e-10, 1e3, required=True))
+    mass: float | None = entry(MASS)
+    material: Material | None = entry(MATERIAL)
+    velocity: float = entry(measure("velocity", -2e4, 2e4, required=True))
+    gap: float = entry(replace(GAP, required=True))
+    count: int = entry(whole(1, MOST_BODIES))
+    contact: Contact | None = entry(Field(_contact_of, "a Contact is needed", write=contact_table))
+    name: str = entry(words("a name"))
+    behind: str = entry(words("the name of a body"))
+    angle: float | None = entry(measure("angle", -STEEPEST, STEEPEST))
+    front_gap: float | None = entry(GAP)
 
     def __init__(
         self,

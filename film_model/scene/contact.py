@@ -6,10 +6,10 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial
-from typing import Any, ClassVar, Literal, cast
+from typing import Any, Literal, cast
 
 from film_model.base.errors import Mistake, SimulationError, did_you_mean, raise_all, shown
-from film_model.base.fields import Field, InUnits, choice, fill, key_text, measure, table_of, words, written
+from film_model.base.fields import Field, InUnits, choice, entry, fill, key_text, measure, table_of, words, written
 from film_model.base.units import Value, array_to_si, needed, power_stiffness_to_si, power_stiffness_unit, to_si
 from film_model.laws import LAWS, AbstractLaw, Parameter
 from film_model.laws.law import wrong_values
@@ -17,6 +17,8 @@ from film_model.scene.friction_table import FRICTION, FrictionTable
 
 UNLOADINGS = ("brake", "retrace")
 """Names of the unloading rules that can replace a law's own: :mod:`film_model.laws.unloading`."""
+
+UNLOADING = Field(choice(*UNLOADINGS).read, "the name of an unloading rule is needed")
 
 
 def _read_law(value: object) -> str | AbstractLaw:
@@ -53,27 +55,15 @@ class Contact(InUnits):
     {'restitution': 0.8}
     """
 
-    FIELDS: ClassVar[Mapping[str, Field]] = {
-        "law": Field(_read_law, "the name of a contact law is needed", required=True),
-        "effective_modulus": measure("pressure", 1, 1e14),
-        "yield_strength": measure("pressure", 1, 1e13),
-        "poissons_ratio": measure("dimensionless", -1, 0.5, open_ends=True),
-        "unloading": Field(choice(*UNLOADINGS).read, "the name of an unloading rule is needed"),
-        "work_of_adhesion": measure("surface_energy", 0, 1e6),
-        "friction": FRICTION,
-        "roughness": measure("length", 0, 1),
-        "fluid_viscosity": measure("viscosity", 1e-9, 1e9),
-    }
-
-    law: str | AbstractLaw
-    effective_modulus: float | None
-    yield_strength: float | None
-    poissons_ratio: float | None
-    unloading: Literal["brake", "retrace"] | None
-    work_of_adhesion: float | None
-    friction: float | FrictionTable | None
-    roughness: float | None
-    fluid_viscosity: float | None
+    law: str | AbstractLaw = entry(Field(_read_law, "the name of a contact law is needed", required=True))
+    effective_modulus: float | None = entry(measure("pressure", 1, 1e14))
+    yield_strength: float | None = entry(measure("pressure", 1, 1e13))
+    poissons_ratio: float | None = entry(measure("dimensionless", -1, 0.5, open_ends=True))
+    unloading: Literal["brake", "retrace"] | None = entry(UNLOADING)
+    work_of_adhesion: float | None = entry(measure("surface_energy", 0, 1e6))
+    friction: float | FrictionTable | None = entry(FRICTION)
+    roughness: float | None = entry(measure("length", 0, 1))
+    fluid_viscosity: float | None = entry(measure("viscosity", 1e-9, 1e9))
     parameters: Mapping[str, Any] = field(hash=False)
 
     def __init__(

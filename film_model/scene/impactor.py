@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import ClassVar, Literal, cast
 
 from film_model.base.arrays import cosine, root, sine
 from film_model.base.errors import Mistake, raise_all, shown
-from film_model.base.fields import Field, InUnits, choice, fill_ball, measure, mistake, one_of
+from film_model.base.fields import InUnits, choice, entry, fill_ball, measure, mistake, one_of
 from film_model.base.materials import MASS, MATERIAL, Material, MaterialLike, sphere_mass
 from film_model.base.turning import SHAPES, TURNING, contradictions, inertia_number_of
 from film_model.base.units import Value
@@ -43,32 +42,18 @@ class Sphere(InUnits):
     """
 
     is_ball: ClassVar[bool] = True
-    FIELDS: ClassVar[Mapping[str, Field]] = {
-        "radius": measure("length", 1e-10, 1e3, required=True),
-        "velocity": measure("velocity", 0, 2e4),
-        "drop_height": measure("length", 0, 1e5),
-        "mass": MASS,
-        "material": MATERIAL,
-        "angle": measure("angle", 0, STEEPEST),
-        **TURNING,
-        "shape": replace(choice(*SHAPES, *VOLUMES), required=False),
-        "half_angle": measure("angle", 1e-3, STEEPEST),
-        "second_radius": measure("length", 1e-10, 1e3),
-        "length": measure("length", 1e-10, 1e3),
-    }
-
-    radius: float
-    velocity: float | None
-    drop_height: float | None
-    mass: float | None
-    material: Material | None
-    angle: float | None
-    spin: float | None
-    shape: str | None
-    inertia: float | None
-    half_angle: float | None
-    second_radius: float | None
-    length: float | None
+    radius: float = entry(measure("length", 1e-10, 1e3, required=True))
+    velocity: float | None = entry(measure("velocity", 0, 2e4))
+    drop_height: float | None = entry(measure("length", 0, 1e5))
+    mass: float | None = entry(MASS)
+    material: Material | None = entry(MATERIAL)
+    angle: float | None = entry(measure("angle", 0, STEEPEST))
+    spin: float | None = entry(TURNING["spin"])
+    shape: str | None = entry(replace(choice(*SHAPES, *VOLUMES), required=False))
+    inertia: float | None = entry(TURNING["inertia"])
+    half_angle: float | None = entry(measure("angle", 1e-3, STEEPEST))
+    second_radius: float | None = entry(measure("length", 1e-10, 1e3))
+    length: float | None = entry(measure("length", 1e-10, 1e3))
 
     def __init__(
         self,

@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, ClassVar, Literal, TypeAlias
+from typing import Any, Literal, TypeAlias
 
 from film_model.base.errors import Mistake, raise_all
-from film_model.base.fields import Field, InUnits, choice, fill, measure, whole
+from film_model.base.fields import InUnits, choice, entry, fill, measure, whole
 
 DEFAULT_ACCURACY = 1e-4
 DEFAULT_TOLERANCE = 0.01
 
 Switch: TypeAlias = Literal["auto"] | bool
+SWITCH = choice("auto", True, False)
 
 
 @dataclass(frozen=True, init=False, repr=False)
@@ -35,28 +35,17 @@ class Effects(InUnits):
     True
     """
 
-    FIELDS: ClassVar[Mapping[str, Field]] = {
-        **{
-            name: choice("auto", True, False)
-            for name in (
-                *("plasticity", "target_motion", "gravity", "boundary_reflections", "target_inertia"),
-                *("rate_hardening", "viscoelasticity", "material_damping", "wave_losses", "stretching"),
-            )
-        },
-        "tolerance": measure("dimensionless", 1e-12, 1),
-    }
-
-    plasticity: Switch
-    target_motion: Switch
-    gravity: Switch
-    boundary_reflections: Switch
-    target_inertia: Switch
-    rate_hardening: Switch
-    viscoelasticity: Switch
-    material_damping: Switch
-    wave_losses: Switch
-    stretching: Switch
-    tolerance: float | None
+    plasticity: Switch = entry(SWITCH)
+    target_motion: Switch = entry(SWITCH)
+    gravity: Switch = entry(SWITCH)
+    boundary_reflections: Switch = entry(SWITCH)
+    target_inertia: Switch = entry(SWITCH)
+    rate_hardening: Switch = entry(SWITCH)
+    viscoelasticity: Switch = entry(SWITCH)
+    material_damping: Switch = entry(SWITCH)
+    wave_losses: Switch = entry(SWITCH)
+    stretching: Switch = entry(SWITCH)
+    tolerance: float | None = entry(measure("dimensionless", 1e-12, 1))
 
     def __init__(
         self,
@@ -90,15 +79,9 @@ class Solver(InUnits):
     5
     """
 
-    FIELDS: ClassVar[Mapping[str, Field]] = {
-        "accuracy": measure("dimensionless", 1e-14, 0.1),
-        "segments": whole(1, 1_000_000),
-        "linearisation": choice("work-preserving", "chord"),
-    }
-
-    accuracy: float | None
-    segments: int | None
-    linearisation: Literal["work-preserving", "chord"]
+    accuracy: float | None = entry(measure("dimensionless", 1e-14, 0.1))
+    segments: int | None = entry(whole(1, 1_000_000))
+    linearisation: Literal["work-preserving", "chord"] = entry(choice("work-preserving", "chord"))
 
     def __init__(
         self,

@@ -138,8 +138,5 @@ def _materials(scene: Scene) -> tuple[Material, ...]:
 
 def _softness(materials: tuple[Material, ...]) -> Number:
     """1/G* = Σ (2 − ν)/G, 1/Pa."""
-    return sum((2.0 - m.poissons_ratio) / _shear_modulus(m) for m in materials)
-
-
-def _shear_modulus(of: Material) -> Number:
-    return of.youngs_modulus / (2.0 * (1.0 + of.poissons_ratio))
+    shear = [m.youngs_modulus / (2.0 * (1.0 + m.poissons_ratio)) for m in materials]
+    return sum((2.0 - m.poissons_ratio) / g for m, g in zip(materials, shear, strict=True))

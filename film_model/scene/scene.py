@@ -65,7 +65,7 @@ class Scene:
     def __repr__(self) -> str:
         radius, mass = format_si(self.impactor.radius, "length"), format_si(self.mass, "mass")
         ball = f"{self.impactor.noun} of radius {radius}, {mass}, {format_si(self.impactor.speed, 'velocity')}"
-        target = " ".join(filter(None, (_name(self.target.material), self.target.kind)))
+        target = " ".join(filter(None, (getattr(self.target.material, "name", ""), self.target.kind)))
         title = f"{shown(self.title)}: " if self.title else ""
         return f"Scene({title}{ball}, on {target}; law {self.contact.law_name})"
 
@@ -386,7 +386,3 @@ def scene_of(table: dict[str, Any], text: str, name: str, folder: str | None) ->
 def _class_names(kind: type) -> str:
     """The classes of which an object is needed, in words."""
     return " or ".join(target.__name__ for target in TARGETS.values()) if kind is AbstractTarget else kind.__name__
-
-
-def _name(material: Material | None) -> str:
-    return material.name if material is not None else ""

@@ -163,7 +163,7 @@ def simulate_batch(
     masses = None if mass is None else _in_si("mass", mass)
     shape = speeds.shape if masses is None else _common_shape(speeds, masses)
     given = {"impactor.velocity": speeds, "impactor.mass": masses}
-    columns = {path: _spread(values, shape) for path, values in given.items() if values is not None}
+    columns = {path: np.broadcast_to(values, shape).ravel() for path, values in given.items() if values is not None}
     least = max(scene.target.velocity, 0.0)
     for name, values, unit, floor in (("velocity", speeds, "m/s", least), ("mass", masses, "kg", 0.0)):
         if values is None:
@@ -198,11 +198,6 @@ def _common_shape(speeds: Array, masses: Array) -> tuple[int, ...]:
     except ValueError:
         shapes = f"velocity has the shape {speeds.shape}, mass {masses.shape}"
         raise ValueError(f"{shapes}: shapes that broadcast together are needed") from None
-
-
-def _spread(values: Array, shape: tuple[int, ...]) -> Array:
-    """Values broadcast to a shape, in one row."""
-    return (values if values.shape == shape else np.broadcast_to(values, shape)).ravel()
 
 
 def simulate_many(scene: Scene, columns: Mapping[str, Array], solver: Solver | None = None) -> ManyResult:

@@ -76,7 +76,8 @@ def _chains(pairs: Pairs, how: _How) -> Iterator[tuple[Index, _Chain]]:
     step = np.where(pairs.fits(how.stencil.offsets * scale), pairs.step * scale, 0.0).reshape(-1, numbers)
     impacts = _beside(pairs, step, how.stencil)
     count, each = len(step), how.stencil.offsets.size
-    shared = _stacked(curve_keys(impacts), count)
+    keys = curve_keys(impacts)
+    shared = np.stack(keys, axis=-1).reshape(count, -1, len(keys)) if keys else np.zeros((count, 1, 0))
     other = (shared != shared[:, :1]).any(axis=2)
     smooth = np.ones(count, np.bool_)
     if other.any():  # stencils that need more than one curve are left out
@@ -108,11 +109,6 @@ def _beside(pairs: Pairs, step: Array, stencil: Stencil) -> Impacts:
     factor = np.repeat((pairs.strength[::numbers] / slow)[:, None], width, axis=1)
     factor[:, -each:] *= 1.0 + stencil.step * stencil.offsets
     return impacts.under(impacts.law.strengthened(factor.ravel()))
-
-
-def _stacked(keys: list[Array], count: int) -> Array:
-    """(impacts, those beside, keys)."""
-    return np.stack(keys, axis=-1).reshape(count, -1, len(keys)) if keys else np.zeros((count, 1, 0))
 
 
 def _alike(keys: Array, chosen: Mask) -> Iterator[Index]:

@@ -19,17 +19,14 @@ from types import FunctionType
 from typing import Any
 
 import numpy as np
+from scipy.integrate import RK45
 
 from film_model.laws.law import AbstractLaw, Power, Stage, origin_of
 
-# Hairer, Nørsett & Wanner, Solving ODEs I, table II.5.2 and the dense output of DOPRI5
-A21 = 1 / 5
-A31, A32 = 3 / 40, 9 / 40
-A41, A42, A43 = 44 / 45, -56 / 15, 32 / 9
-A51, A52, A53, A54 = 19372 / 6561, -25360 / 2187, 64448 / 6561, -212 / 729
-A61, A62, A63, A64, A65 = 9017 / 3168, -355 / 33, 46732 / 5247, 49 / 176, -5103 / 18656
-B1, B3, B4, B5, B6 = 35 / 384, 500 / 1113, 125 / 192, -2187 / 6784, 11 / 84
-E1, E3, E4, E5, E6, E7 = 71 / 57600, -71 / 16695, 71 / 1920, -17253 / 339200, 22 / 525, -1 / 40
+_, (A21, *_), (A31, A32, *_), (A41, A42, A43, *_), (A51, A52, A53, A54, _), (A61, A62, A63, A64, A65) = RK45.A.tolist()
+B1, _, B3, B4, B5, B6 = RK45.B.tolist()
+E1, _, E3, E4, E5, E6, E7 = RK45.E.tolist()
+# Hairer, Nørsett & Wanner, Solving ODEs I, the dense output of DOPRI5
 D1, D3, D4 = -12715105075 / 11282082432, 87487479700 / 32700410799, -10690763975 / 1880347072
 D5, D6, D7 = 701980252875 / 199316789632, -1453857185 / 822651844, 69997945 / 29380423
 

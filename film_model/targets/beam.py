@@ -12,7 +12,7 @@ import numpy as np
 
 from film_model.base.arrays import same
 from film_model.base.errors import TooManyModes, raise_all
-from film_model.base.fields import Field, choice, measure, mistake
+from film_model.base.fields import choice, entry, measure, mistake
 from film_model.base.materials import REQUIRED_MATERIAL, Material, MaterialLike
 from film_model.base.units import Value
 from film_model.targets.beam_theory import Line, beam_shear_coefficient, line_compliance, line_modes
@@ -67,33 +67,20 @@ class Beam(AbstractTarget):
     kind: ClassVar[str] = "beam"
     structural: ClassVar[bool] = True
     first_mode_share: ClassVar[float] = 0.5
-    FIELDS: ClassVar[Mapping[str, Field]] = {
-        "material": REQUIRED_MATERIAL,
-        "length": measure("length", 1e-10, 1e5, required=True),
-        "width": measure("length", 1e-10, 1e5, required=True),
-        "thickness": measure("length", 1e-10, 1e3, required=True),
-        "ends": one_or(2, choice(*SUPPORTS, "cantilever")),
-        "theory": choice("auto", "timoshenko", "euler-bernoulli", "plate"),
-        "damping_ratio": DAMPING,
-        "in_plane": IN_PLANE,
-        "position": PLACE,
-        "static_stiffness": STATIC_STIFFNESS,
-        "sensors": SENSORS,
-        "radius": RADIUS,
-    }
-
-    material: Material
-    length: float
-    width: float
-    thickness: float
-    ends: End | tuple[End, End]
-    theory: Literal["auto", "timoshenko", "euler-bernoulli", "plate"]
-    damping_ratio: float | tuple[float, ...] | None
-    in_plane: Literal["fixed", "free"] | None  # pyright: ignore[reportIncompatibleVariableOverride]
-    position: float | None
-    static_stiffness: float | None
-    sensors: tuple[Sensor, ...] | None  # pyright: ignore[reportIncompatibleVariableOverride]
-    radius: float
+    material: Material = entry(REQUIRED_MATERIAL)
+    length: float = entry(measure("length", 1e-10, 1e5, required=True))
+    width: float = entry(measure("length", 1e-10, 1e5, required=True))
+    thickness: float = entry(measure("length", 1e-10, 1e3, required=True))
+    ends: End | tuple[End, End] = entry(one_or(2, choice(*SUPPORTS, "cantilever")))
+    theory: Literal["auto", "timoshenko", "euler-bernoulli", "plate"] = entry(
+        choice("auto", "timoshenko", "euler-bernoulli", "plate")
+    )
+    damping_ratio: float | tuple[float, ...] | None = entry(DAMPING)
+    in_plane: Literal["fixed", "free"] | None = entry(IN_PLANE)  # pyright: ignore[reportIncompatibleVariableOverride]
+    position: float | None = entry(PLACE)
+    static_stiffness: float | None = entry(STATIC_STIFFNESS)
+    sensors: tuple[Sensor, ...] | None = entry(SENSORS)  # pyright: ignore[reportIncompatibleVariableOverride]
+    radius: float = entry(RADIUS)
 
     def __init__(
         self,

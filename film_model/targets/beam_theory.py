@@ -233,7 +233,8 @@ def _exact(beam: Line, position: Number) -> Any:
     """By two elements that are exact for a force between them (Przemieniecki 1968, section 5.6)."""
     lengths = position, beam.length - position
     total = np.zeros((*np.broadcast(beam.bending, beam.shear, *lengths).shape, 6, 6))
-    held = [k for node, end in ((0, beam.ends[0]), (4, beam.ends[1])) for k in _fixed(node, end)]
+    count = {"clamped": 2, "simply supported": 1, "free": 0}
+    held = [node + k for node, end in zip((0, 4), beam.ends, strict=True) for k in range(count[end])]
     for k, x in enumerate(lengths):
         if same(x == 0.0):  # the force is at an end: its element has no length
             held += [4 * k, 4 * k + 1]
@@ -252,7 +253,3 @@ def _exact(beam: Line, position: Number) -> Any:
     force = np.array([[float(k == 2)] for k in free])
     bent = np.linalg.solve(total[..., free, :][..., free], force)[..., free.index(2), 0]
     return bent if bent.ndim else bent.item()
-
-
-def _fixed(node: int, end: str) -> list[int]:
-    return {"clamped": [node, node + 1], "simply supported": [node], "free": []}[end]

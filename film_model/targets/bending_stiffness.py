@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import ClassVar
 
 from film_model.base.errors import raise_all
-from film_model.base.fields import Field, InUnits, fill, measure, mistake
+from film_model.base.fields import InUnits, entry, fill, measure, mistake
 from film_model.base.units import Value
 
 _STIFFNESS = measure("bending_stiffness", 1e-30, 1e18, required=True)
@@ -23,17 +21,10 @@ class BendingStiffness(InUnits):
     155.0
     """
 
-    FIELDS: ClassVar[Mapping[str, Field]] = {
-        "D11": _STIFFNESS,
-        "D12": measure("bending_stiffness", -1e18, 1e18, required=True),
-        "D22": _STIFFNESS,
-        "D66": _STIFFNESS,
-    }
-
-    D11: float
-    D12: float
-    D22: float
-    D66: float
+    D11: float = entry(_STIFFNESS)
+    D12: float = entry(measure("bending_stiffness", -1e18, 1e18, required=True))
+    D22: float = entry(_STIFFNESS)
+    D66: float = entry(_STIFFNESS)
 
     def __init__(
         self, D11: Value | None = None, D12: Value | None = None, D22: Value | None = None, D66: Value | None = None

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import ClassVar, Literal
 
 from film_model.base.errors import raise_all
-from film_model.base.fields import Field, fill_ball, measure
+from film_model.base.fields import entry, fill_ball, measure
 from film_model.base.materials import MASS, MATERIAL, Material, MaterialLike, sphere_mass
 from film_model.base.turning import TURNING, contradictions, inertia_number_of
 from film_model.base.units import Value
@@ -30,21 +29,13 @@ class Body(AbstractTarget):
     kind: ClassVar[str] = "body"
     free: ClassVar[bool] = True
     is_ball: ClassVar[bool] = True
-    FIELDS: ClassVar[Mapping[str, Field]] = {
-        "material": MATERIAL,
-        "radius": measure("length", 1e-10, 1e3, required=True),
-        "mass": MASS,
-        "velocity": measure("velocity", -2e4, 2e4, required=True),
-        **TURNING,
-    }
-
-    material: Material | None
-    radius: float
-    mass: float | None
-    velocity: float
-    spin: float | None
-    shape: str | None
-    inertia: float | None
+    material: Material | None = entry(MATERIAL)
+    radius: float = entry(measure("length", 1e-10, 1e3, required=True))
+    mass: float | None = entry(MASS)
+    velocity: float = entry(measure("velocity", -2e4, 2e4, required=True))
+    spin: float | None = entry(TURNING["spin"])
+    shape: str | None = entry(TURNING["shape"])
+    inertia: float | None = entry(TURNING["inertia"])
 
     def __init__(
         self,

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any, ClassVar, cast
 
 from film_model.base.errors import raise_all
-from film_model.base.fields import Field
+from film_model.base.fields import entry
 from film_model.base.materials import MATERIAL, Material, MaterialLike
 from film_model.base.units import Value, format_si, to_si
 from film_model.targets.plate_waves import plate_impedance, plate_stiffness
@@ -38,11 +37,9 @@ class HalfSpace(AbstractTarget):
     """
 
     kind: ClassVar[str] = "half-space"
-    FIELDS: ClassVar[Mapping[str, Field]] = {"material": MATERIAL, "radius": CURVED, "second_radius": CURVED}
-
-    material: Material | None
-    radius: float
-    second_radius: float | None
+    material: Material | None = entry(MATERIAL)
+    radius: float = entry(CURVED)
+    second_radius: float | None = entry(CURVED)
 
     def __init__(
         self, material: MaterialLike | None = None, radius: Value | None = None, second_radius: Value | None = None

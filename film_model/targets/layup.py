@@ -7,12 +7,12 @@ from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cache, lru_cache
-from typing import Any, ClassVar, TypeAlias, cast
+from typing import Any, TypeAlias, cast
 
 import numpy as np
 
 from film_model.base.errors import Mistake, SceneError, did_you_mean, raise_all, shown
-from film_model.base.fields import Field, InUnits, build, fill, measure, mistake, part, words
+from film_model.base.fields import Field, InUnits, build, entry, fill, measure, mistake, part, words
 from film_model.base.materials import Material, MaterialLike
 from film_model.base.materials import material as plain_material
 from film_model.base.units import Value
@@ -32,23 +32,13 @@ class PlyMaterial(InUnits):
     across over strain along, under stress along. density: kg/m³. source: where the values come from.
     """
 
-    FIELDS: ClassVar[Mapping[str, Field]] = {
-        "name": words("a name"),
-        "E1": measure("pressure", 1, 1e14, required=True),
-        "E2": measure("pressure", 1, 1e14, required=True),
-        "G12": measure("pressure", 1, 1e14, required=True),
-        "nu12": measure("dimensionless", -10, 10, required=True),
-        "density": measure("density", 1e-3, 1e6, required=True),
-        "source": words("a source"),
-    }
-
-    name: str
-    E1: float
-    E2: float
-    G12: float
-    nu12: float
-    density: float
-    source: str
+    name: str = entry(words("a name"))
+    E1: float = entry(measure("pressure", 1, 1e14, required=True))
+    E2: float = entry(measure("pressure", 1, 1e14, required=True))
+    G12: float = entry(measure("pressure", 1, 1e14, required=True))
+    nu12: float = entry(measure("dimensionless", -10, 10, required=True))
+    density: float = entry(measure("density", 1e-3, 1e6, required=True))
+    source: str = entry(words("a source"))
 
     def __init__(
         self,
@@ -129,15 +119,9 @@ class Ply(InUnits):
     """A layer. material: of a ply, or isotropic: name, object or table. thickness: m. angle: from the plate's first
     side to the fibres, degrees; without effect on an isotropic layer."""
 
-    FIELDS: ClassVar[Mapping[str, Field]] = {
-        "material": replace(_ORTHOTROPIC, read=_read_material),
-        "thickness": measure("length", 1e-9, 10, required=True),
-        "angle": measure("dimensionless", -360, 360, required=True),
-    }
-
-    material: PlyMaterial
-    thickness: float
-    angle: float
+    material: PlyMaterial = entry(replace(_ORTHOTROPIC, read=_read_material))
+    thickness: float = entry(measure("length", 1e-9, 10, required=True))
+    angle: float = entry(measure("dimensionless", -360, 360, required=True))
 
     def __init__(
         self,

@@ -10,7 +10,7 @@ from typing import Any, ClassVar, Literal, cast
 
 from film_model.base.arrays import greater, lesser, root
 from film_model.base.errors import raise_all
-from film_model.base.fields import Field, choice, measure, mistake, part, several
+from film_model.base.fields import choice, entry, measure, mistake, part, several
 from film_model.base.materials import MATERIAL, Material, MaterialLike
 from film_model.base.units import Value, format_si
 from film_model.targets.bending_stiffness import BendingStiffness
@@ -92,41 +92,22 @@ class Plate(AbstractTarget):
     kind: ClassVar[str] = "plate"
     structural: ClassVar[bool] = True
     first_mode_share: ClassVar[float] = 0.25
-    FIELDS: ClassVar[Mapping[str, Field]] = {
-        "material": MATERIAL,
-        "thickness": measure("length", 1e-10, 1e3),
-        "mass_per_area": measure("mass_per_area", 1e-9, 1e9),
-        "bending_stiffness": part(BendingStiffness),
-        "layup": LAYUP,
-        "size": several(LENGTH, 2),
-        "edges": EDGES,
-        "edge_stiffness": EDGE_STIFFNESS,
-        "foundation_stiffness": FOUNDATION,
-        "damping_ratio": DAMPING,
-        "in_plane": IN_PLANE,
-        "position": several(PLACE, 2),
-        "static_stiffness": STATIC_STIFFNESS,
-        "impedance_formula": choice("exact", "paper"),
-        "sensors": SENSORS,
-        "radius": RADIUS,
-    }
-
-    material: Material | None
-    thickness: float | None
-    mass_per_area: float | None
-    bending_stiffness: BendingStiffness | None
-    layup: tuple[Ply, ...] | None
-    size: tuple[float, float] | None
-    edges: Edge | tuple[Edge, Edge, Edge, Edge]
-    edge_stiffness: float | tuple[float, float, float, float] | None
-    foundation_stiffness: float | None
-    damping_ratio: float | tuple[float, ...] | None
-    in_plane: Literal["fixed", "free"] | None  # pyright: ignore[reportIncompatibleVariableOverride]
-    position: tuple[float, float] | None
-    static_stiffness: float | None
-    impedance_formula: Literal["exact", "paper"]
-    sensors: tuple[Sensor, ...] | None  # pyright: ignore[reportIncompatibleVariableOverride]
-    radius: float
+    material: Material | None = entry(MATERIAL)
+    thickness: float | None = entry(measure("length", 1e-10, 1e3))
+    mass_per_area: float | None = entry(measure("mass_per_area", 1e-9, 1e9))
+    bending_stiffness: BendingStiffness | None = entry(part(BendingStiffness))
+    layup: tuple[Ply, ...] | None = entry(LAYUP)
+    size: tuple[float, float] | None = entry(several(LENGTH, 2))
+    edges: Edge | tuple[Edge, Edge, Edge, Edge] = entry(EDGES)
+    edge_stiffness: float | tuple[float, float, float, float] | None = entry(EDGE_STIFFNESS)
+    foundation_stiffness: float | None = entry(FOUNDATION)
+    damping_ratio: float | tuple[float, ...] | None = entry(DAMPING)
+    in_plane: Literal["fixed", "free"] | None = entry(IN_PLANE)  # pyright: ignore[reportIncompatibleVariableOverride]
+    position: tuple[float, float] | None = entry(several(PLACE, 2))
+    static_stiffness: float | None = entry(STATIC_STIFFNESS)
+    impedance_formula: Literal["exact", "paper"] = entry(choice("exact", "paper"))
+    sensors: tuple[Sensor, ...] | None = entry(SENSORS)  # pyright: ignore[reportIncompatibleVariableOverride]
+    radius: float = entry(RADIUS)
 
     def __init__(
         self,

@@ -9,7 +9,7 @@ from typing import Any, ClassVar, Literal, cast
 
 from film_model.base.arrays import either, root
 from film_model.base.errors import raise_all, shown
-from film_model.base.fields import Field, measure, mistake, one_of
+from film_model.base.fields import Field, entry, measure, mistake, one_of
 from film_model.base.materials import REQUIRED_MATERIAL, Material, MaterialLike
 from film_model.base.units import Value, format_si
 from film_model.targets.modes import Modes
@@ -56,25 +56,14 @@ class Rod(AbstractTarget):
     structural: ClassVar[bool] = True
     first_mode_share: ClassVar[float] = 0.5
     extent: ClassVar[str] = "length"
-    FIELDS: ClassVar[Mapping[str, Field]] = {
-        "material": REQUIRED_MATERIAL,
-        "diameter": LENGTH,
-        "area": measure("area", 1e-20, 1e10),
-        "length": LENGTH,
-        "far_end": FAR_END,
-        "damping_ratio": DAMPING,
-        "sensors": SENSORS,
-        "radius": RADIUS,
-    }
-
-    material: Material
-    diameter: float | None
-    area: float | None
-    length: float | None
-    far_end: Literal["free", "fixed"] | float
-    damping_ratio: float | tuple[float, ...] | None
-    sensors: tuple[Sensor, ...] | None  # pyright: ignore[reportIncompatibleVariableOverride]
-    radius: float
+    material: Material = entry(REQUIRED_MATERIAL)
+    diameter: float | None = entry(LENGTH)
+    area: float | None = entry(measure("area", 1e-20, 1e10))
+    length: float | None = entry(LENGTH)
+    far_end: Literal["free", "fixed"] | float = entry(FAR_END)
+    damping_ratio: float | tuple[float, ...] | None = entry(DAMPING)
+    sensors: tuple[Sensor, ...] | None = entry(SENSORS)  # pyright: ignore[reportIncompatibleVariableOverride]
+    radius: float = entry(RADIUS)
 
     def __init__(
         self,

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, ClassVar, cast
+from typing import Any, cast
 
 from film_model.base.errors import Mistake, raise_all, shown
-from film_model.base.fields import Field, InUnits, build, fill, measure, mistake, words
+from film_model.base.fields import Field, InUnits, build, entry, fill, measure, mistake, words
 from film_model.base.units import Value
 from film_model.targets.modes import Modes, Points
 
@@ -43,17 +43,16 @@ class Sensor(InUnits):
     structure the name of a column, or for each vibration the strain over the deflection at the struck point, 1/m.
     """
 
-    FIELDS: ClassVar[Mapping[str, Field]] = {
-        "name": Field(words("a name").read, "a name is needed", required=True),
-        "position": Field(_read_position, 'a length such as "20 mm", or a list of two, is needed', dimension="length"),
-        "shape": Field(_read_shape, "the name of a column of the modes file is needed"),
-        "strain": Field(_read_strain, "true, or on a structure the name of a column of the modes file, is needed"),
-    }
-
-    name: str
-    position: tuple[float, ...] | None
-    shape: str | tuple[float, ...] | None
-    strain: bool | str | tuple[float, ...]
+    name: str = entry(Field(words("a name").read, "a name is needed", required=True))
+    position: tuple[float, ...] | None = entry(
+        Field(_read_position, 'a length such as "20 mm", or a list of two, is needed', dimension="length")
+    )
+    shape: str | tuple[float, ...] | None = entry(
+        Field(_read_shape, "the name of a column of the modes file is needed")
+    )
+    strain: bool | str | tuple[float, ...] = entry(
+        Field(_read_strain, "true, or on a structure the name of a column of the modes file, is needed")
+    )
 
     def __init__(
         self,

@@ -10,7 +10,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from film_model.base.errors import Mistake, raise_all, shown
-from film_model.base.fields import Field, measure, mistake, words
+from film_model.base.fields import Field, entry, measure, mistake, words
 from film_model.base.materials import MATERIAL, Material, MaterialLike
 from film_model.base.units import Value, array_to_si, needed
 from film_model.targets.modes import Array, Modes, pulse_response
@@ -69,25 +69,14 @@ class Structure(AbstractTarget):
 
     kind: ClassVar[str] = "structure"
     structural: ClassVar[bool] = True
-    FIELDS: ClassVar[Mapping[str, Field]] = {
-        "material": MATERIAL,
-        "file": Field(words("the path of a file").read, "the path of a file is needed"),
-        "frequency": _list_of("frequency", 1e-9, 1e12, zero=True),
-        "modal_mass": _list_of("mass", 1e-28, 1e60, zero=False),
-        "damping_ratio": DAMPING,
-        "static_compliance": measure("compliance", 1e-18, 1e12),
-        "sensors": SENSORS,
-        "radius": RADIUS,
-    }
-
-    material: Material | None
-    file: str | None
-    frequency: tuple[float, ...]
-    modal_mass: tuple[float, ...]
-    damping_ratio: float | tuple[float, ...] | None
-    static_compliance: float | None
-    sensors: tuple[Sensor, ...] | None  # pyright: ignore[reportIncompatibleVariableOverride]
-    radius: float
+    material: Material | None = entry(MATERIAL)
+    file: str | None = entry(Field(words("the path of a file").read, "the path of a file is needed"))
+    frequency: tuple[float, ...] = entry(_list_of("frequency", 1e-9, 1e12, zero=True))
+    modal_mass: tuple[float, ...] = entry(_list_of("mass", 1e-28, 1e60, zero=False))
+    damping_ratio: float | tuple[float, ...] | None = entry(DAMPING)
+    static_compliance: float | None = entry(measure("compliance", 1e-18, 1e12))
+    sensors: tuple[Sensor, ...] | None = entry(SENSORS)  # pyright: ignore[reportIncompatibleVariableOverride]
+    radius: float = entry(RADIUS)
 
     def __init__(
         self,

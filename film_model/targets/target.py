@@ -23,7 +23,7 @@ from typing import Any, ClassVar, NamedTuple
 
 from film_model.base.arrays import endless
 from film_model.base.errors import Mistake, SimulationError
-from film_model.base.fields import Field, InUnits, fill, measure, mistake
+from film_model.base.fields import InUnits, fill, measure, mistake
 from film_model.base.materials import Material
 from film_model.targets.modes import Array, Modes
 from film_model.targets.sensors import Sensor
@@ -121,7 +121,6 @@ class AbstractTarget(InUnits, ABC):
     """
 
     kind: ClassVar[str]
-    FIELDS: ClassVar[Mapping[str, Field]]
     free: ClassVar[bool] = False
     structural: ClassVar[bool] = False
     first_mode_share: ClassVar[float] = 1.0

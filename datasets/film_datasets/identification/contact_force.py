@@ -217,13 +217,14 @@ def identify_force(
     everywhere: Array = np.interp(np.arange(motions.values.shape[1]), found.rows, found.force, left=0.0, right=0.0)
     fitted: Array = np.array([np.convolve(response, everywhere)[: everywhere.size] for response in own])
     long = motions.dt * found.step
+    impulse, half = long * found.total, factor * long * found.total_deviation
     times: Array = motions.begin + motions.dt * found.rows.astype(np.float64)
     return IdentifiedForce(
         times,
         found.force,
         found.force - factor * found.deviation,
         found.force + factor * found.deviation,
-        _ends(long * found.total, factor * long * found.total_deviation),
+        (impulse, impulse - half, impulse + half),
         confidence,
         motions,
         fitted,
@@ -253,10 +254,6 @@ def _responses(target: AbstractTarget, motions: Motions) -> list[Array]:
     every = [sensor.name for sensor in target.sensors or ()]
     places = zip(map(list(MOTION).index, motions.quantities), map(every.index, motions.names), strict=True)
     return [found[place] for place in places]
-
-
-def _ends(value: float, half: float) -> tuple[float, float, float]:
-    return value, value - half, value + half
 
 
 def _warnings(found: Deconvolved, motions: Motions, fitted: Array) -> list[str]:

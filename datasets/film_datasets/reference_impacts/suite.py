@@ -257,7 +257,8 @@ def write_suite(
                 names = _each(pool.map(partial(_write_case, beside), todo), progress)
         for file in sorted(FILES.iterdir()):
             shutil.copyfile(file, beside / ("." + file.name if file.name == "zenodo.json" else file.name))
-        _write(beside / "cases.csv", "case,group,law,target\n" + "".join(map(_row, todo)))
+        rows = (f"{one.name},{one.group},{one.scene['contact']['law']},{one.target}\n" for one in todo)
+        _write(beside / "cases.csv", "case,group,law,target\n" + "".join(rows))
         made = sorted(path for path in beside.rglob("*") if path.is_file())
         sums = (
             hashlib.sha256(path.read_bytes()).hexdigest() + f"  {path.relative_to(beside).as_posix()}\n"
@@ -290,10 +291,6 @@ def _each(found: Any, progress: Callable[[str], None] | None) -> list[str]:
         if progress is not None:
             progress(name)
     return names
-
-
-def _row(case: Case) -> str:
-    return f"{case.name},{case.group},{case.scene['contact']['law']},{case.target}\n"
 
 
 def _write(path: Path, text: str) -> None:

@@ -48,11 +48,12 @@ def validate(ds: xr.Dataset) -> list[str]:
 
 def _differences(variable: Variable, array: xr.DataArray) -> list[str]:
     """Differences between an array and its variable in the schema."""
+    kinds = (holds_text(array), array), (variable.dtype == TEXT, variable)
     found = [
         f"{what} {got!r}, not {want!r}"
         for what, got, want in (
             ("dimensions", array.dims, variable.dims),
-            ("type", "text" if holds_text(array) else array.dtype.name, _type_name(variable)),
+            ("type", *("text" if is_text else of.dtype.name for is_text, of in kinds)),
             *((key, array.attrs.get(key), variable.attributes().get(key)) for key in ("units", "long_name", "comment")),
         )
         if got != want
@@ -68,10 +69,6 @@ def _differences(variable: Variable, array: xr.DataArray) -> list[str]:
     if array.dtype == FLOAT and not variable.optional and not all(np.isfinite(p).all() for p in pieces(array)):
         found.append("values that are not finite")
     return found
-
-
-def _type_name(variable: Variable) -> str:
-    return "text" if variable.dtype == TEXT else variable.dtype.name
 
 
 def damage(ds: xr.Dataset, values: bool = True) -> list[str]:

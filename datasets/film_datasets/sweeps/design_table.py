@@ -45,8 +45,9 @@ def over_of_table(table: pd.DataFrame | xr.Dataset, name: str = "table") -> dict
     if isinstance(table, xr.Dataset):
         if len(table.dims) != 1:
             raise SceneError([Mistake(name, None, "", f"a Dataset with one dimension is needed, not {table.sizes}")])
-        columns = {f"{key} [{v.attrs.get('units', '')}]": v.values for key, v in table.data_vars.items()}
-        table = pd.DataFrame({**columns, **{f"{k} [{v.attrs.get('units', '')}]": v.values for k, v in _along(table)}})
+        along = {key: v for key, v in table.coords.items() if "." in str(key) and v.ndim}  # not the numbers of rows
+        arrays = {**table.data_vars, **along}
+        table = pd.DataFrame({f"{key} [{v.attrs.get('units', '')}]": v.values for key, v in arrays.items()})
     mistakes: list[Mistake] = []
     over: dict[str, Any] = {}
     if not len(table):
@@ -66,11 +67,6 @@ def over_of_table(table: pd.DataFrame | xr.Dataset, name: str = "table") -> dict
         over[path] = [_cell(value, unit) for value in column.tolist()]
     raise_all(mistakes)
     return over
-
-
-def _along(table: xr.Dataset) -> list[tuple[Any, xr.DataArray]]:
-    """The coordinates that are no mere numbering of the rows."""
-    return [(key, array) for key, array in table.coords.items() if "." in str(key) and array.ndim]
 
 
 def _cell(value: Any, unit: str) -> Any:

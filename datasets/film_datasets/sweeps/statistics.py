@@ -45,7 +45,7 @@ def sweep_report(ds: xr.Dataset) -> dict[str, Any]:
             if name in ds
         },
         "accuracy": {
-            "requested": _float(ds.attrs.get("requested_accuracy")),
+            "requested": float(ds.attrs["requested_accuracy"]) if "requested_accuracy" in ds.attrs else None,
             "estimated": float(ds.attrs["estimated_accuracy"]) if failed < status.size else None,
         },
         **({} if segments is None else {"segments": segments}),
@@ -69,7 +69,3 @@ def statistics(array: xr.DataArray) -> dict[str, float | int | None]:
         return {"count": 0, "least": None, "mean": None, "standard_deviation": None, "greatest": None}
     deviation = math.sqrt(square / (count - 1)) if count > 1 else None
     return {"count": count, "least": least, "mean": mean, "standard_deviation": deviation, "greatest": greatest}
-
-
-def _float(value: Any) -> float | None:
-    return None if value is None else float(value)

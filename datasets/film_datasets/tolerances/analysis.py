@@ -261,17 +261,14 @@ def _sampled(sweep: Sweep, axes: Sequence[Axis], quantities: Sequence[str]) -> A
     u = points(sweep.design, 2 * d, sweep.samples, sweep.seed)(0, sweep.samples)
     if sweep.correlation:
         if d > shapley.MOST_NUMBERS:
-            both = (correlated(part, _factor(sweep)) for part in (u[:, :d], u[:, d:]))
+            factor = correlation_factor(sweep.correlation, [axis.path for axis in sweep.axes])
+            both = (correlated(part, factor) for part in (u[:, :d], u[:, d:]))
         else:
             both = shapley.designs(u, np.array(sweep.correlation))
         return np.stack([results_at(sweep, axes, design, quantities) for design in both], axis=1)
     made = sobol.designs(u)
     found = results_at(sweep, axes, made.reshape(-1, d), quantities)
     return found.reshape(len(quantities), d + 2, sweep.samples)
-
-
-def _factor(sweep: Sweep) -> Array:
-    return correlation_factor(sweep.correlation, [axis.path for axis in sweep.axes])
 
 
 def _variance(

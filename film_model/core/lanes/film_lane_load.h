@@ -181,36 +181,11 @@ static double cross_by_lines(batch_job *j, int32_t k, lanes *restrict s) {
     return whole->peak;
 }
 
-/* From first touch across the whole of a first stage of exponent 3/2, by film_way_through; lanes that it does not have by lines.
- * Returns the largest force. */
-static double cross_elastic(batch_job *j, const double *restrict nu, lanes *restrict s, double *restrict by_lines) {
-    double push[LANES], share[LANES], per[LANES], velocity[LANES], time[LANES];
-    double force = j->end_force[0], stored = 2.0 * j->whole[0], length = j->curve->stage[0].end;
-    EACH(l) {
-        per[l] = 1.0 / nu[l];
-        push[l] = s->gamma[l] * force * per[l];
-        share[l] = stored * per[l] * per[l];
-    }
-    through_lanes(push, share, velocity, time, by_lines);
-    if (any(by_lines)) cross_by_lines(j, 0, s);
-    EACH(l) {
-        s->w[l] = by_lines[l] > 0.0 ? s->w[l] : nu[l] * velocity[l];
-        s->time[l] = by_lines[l] > 0.0 ? s->time[l] : length * per[l] * time[l];
-        s->bad[l] = by_lines[l] > 0.0 ? s->bad[l] : 0.0;
-    }
-    return force;
-}
-
-/* Across the whole stages before `stage`, to its beginning. Returns their work; *largest: their largest force; crossed: how
- * many of them by lines. */
-static double cross_before(batch_job *j, int32_t stage, const double *restrict nu, lanes *restrict s, double *largest,
-                           double *restrict crossed) {
+/* Across the whole stages before `stage`, to its beginning. Returns their work; *largest: their largest force. */
+static double cross_before(batch_job *j, int32_t stage, lanes *restrict s, double *largest) {
     double stored = 0.0;
-    EACH(l) crossed[l] = 0.0;
     for (int32_t k = j->touch; k < stage; k++) {
-        int elastic = has_way_in(j, k);
-        double peak = elastic ? cross_elastic(j, nu, s, crossed) : cross_by_lines(j, k, s);
-        EACH(l) crossed[l] += elastic ? 0.0 : 1.0;
+        double peak = cross_by_lines(j, k, s);
         stored += j->whole[k];
         *largest = peak > *largest ? peak : *largest;
     }
@@ -255,16 +230,17 @@ static void run_to_aim(batch_job *j, int32_t stage, double *restrict aim, lanes 
 }
 
 /* To the turn in `stage`, by lines or by powers. Returns the work of the stages before; *largest: their largest force. */
-static double load_by_lines(batch_job *j, int32_t stage, const double *restrict nu, turned_lanes *restrict t, double *largest) {
-    double aim[LANES], crossed[LANES], stored = cross_before(j, stage, nu, &t->at, largest, crossed), legs = 1.0;
+static double load_by_lines(batch_job *j, int32_t stage, turned_lanes *restrict t, double *largest) {
+    double aim[LANES], stored = cross_before(j, stage, &t->at, largest);
+    int32_t legs = stage - j->touch;
     if (turns_by_powers(j, stage)) {
         run_by_powers(j, stage, &t->at);
-        legs = 0.0;
     } else {
         aim_lanes(j, stage, &t->at, aim);
         run_to_aim(j, stage, aim, &t->at);
+        legs++;
     }
-    EACH(l) t->lines[l] = (double)j->mesh->loading * (crossed[l] + legs);
+    EACH(l) t->lines[l] = (double)j->mesh->loading * legs;
     return stored;
 }
 
@@ -303,7 +279,7 @@ static void load_beyond(batch_job *j, const double *restrict nu, const int64_t *
     turned_lanes by_lines;
     double largest = 0.0, again[LANES];
     start_lanes(j, index, count, &by_lines.at, again);
-    load_by_lines(j, 0, nu, &by_lines, &largest);
+    load_by_lines(j, 0, &by_lines, &largest);
     EACH(l) {
         int lined = beyond[l] > 0.0;
         t->at.time[l] = lined ? by_lines.at.time[l] : t->at.time[l];
@@ -325,7 +301,7 @@ static void load_lanes(batch_job *j, int32_t stage, const int64_t *index, int co
         load_by_table(j, nu, t, beyond);
         if (any(beyond)) load_beyond(j, nu, index, count, t, beyond);
     } else {
-        stored = load_by_lines(j, stage, nu, t, &largest);
+        stored = load_by_lines(j, stage, t, &largest);
     }
     double exponent = plain_power(j, stage) ? j->exponent[stage] : 1.0; /* 1: retraced, not used */
     EACH(l) {

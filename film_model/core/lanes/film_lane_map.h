@@ -37,40 +37,4 @@ static void map_lanes(const double *table, int count, int functions, const doubl
     }
 }
 
-/* From first touch along a force of exponent 3/2 to the end of its stage: velocity over the first one, and time over the
- * stage's length over that velocity. push: gamma times the force at the end over the velocity; share: of the energy, what the
- * stage stores; beyond: 1 for the lanes that the table does not have, whose values have no meaning. */
-static void through_lanes(const double *restrict push, const double *restrict share, double *restrict velocity,
-                          double *restrict time, double *restrict beyond) {
-    double at[LANES], z[LANES], fourth[LANES], sum[LANES][8];
-    int cell[LANES];
-    for (int l = 0; l < LANES; l++) {
-        double place = push[l] < PUSH_END ? push[l] * (PUSH_PIECES / PUSH_END) : 0.0;
-        int piece = (int)place;
-        double left = 1.0 - share[l] / largest_share(place, piece), margin = sqrt(left > 0.0 ? left : 0.0);
-        int near = margin < MARGIN;
-        beyond[l] = push[l] < PUSH_END && left > 0.0 ? 0.0 : 1.0;
-        at[l] = 2.0 * (place - piece) - 1.0;
-        z[l] = 2.0 * (near ? margin * (1.0 / MARGIN) : (margin - MARGIN) * (1.0 / (1.0 - MARGIN))) - 1.0;
-        fourth[l] = z[l] * z[l] * (z[l] * z[l]);
-        cell[l] = 2 * piece + 1 - near;
-    }
-    for (int l = 0; l < LANES; l++) {
-        const double *row = &film_way_through[cell[l] * THROUGH_NUMBERS];
-        double all[8] = {0.0}, power = 1.0;
-        for (int rows = THROUGH_TERMS; rows > 0; rows -= 4) { /* of four powers of the margin */
-            double four[8] = {0.0};
-            for (int k = 0; k < rows; k++, row += 8)
-                for (int i = 0; i < 8; i++) four[i] = four[i] * at[l] + row[i];
-            for (int i = 0; i < 8; i++) all[i] += four[i] * power;
-            power *= fourth[l];
-        }
-        memcpy(sum[l], all, sizeof all);
-    }
-    EACH(l) {
-        velocity[l] = ((sum[l][6] * z[l] + sum[l][4]) * z[l] + sum[l][2]) * z[l] + sum[l][0];
-        time[l] = ((sum[l][7] * z[l] + sum[l][5]) * z[l] + sum[l][3]) * z[l] + sum[l][1];
-    }
-}
-
 #endif

@@ -11,7 +11,7 @@ enum { WAY_TERMS = 12, GROUP = LANES < 8 ? LANES : 8 };
 
 /* Length of a step over the radius within which the terms fall: WAY_RADIUS over the segments of a leg, but at least
  * SHORTEST_SHARE, which leaves rounding only. The error of a way is about the 12th power of it. Accuracy and cost:
- * test_a_power_law_beyond_yield_needs_no_lines. */
+ * test_a_power_law_beyond_yield_needs_lines_up_to_it_only. */
 static const double WAY_RADIUS = 1.3, SHORTEST_SHARE = 0.1;
 
 enum { WAY_STEPS = 60 }; /* to the turn; about 12 of them are needed with SHORTEST_SHARE, longer ways are left to film_marched */

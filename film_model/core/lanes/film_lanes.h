@@ -50,33 +50,6 @@ static inline int is_plain(const batch_job *j, const film_start *s) {
 /* Whether a fixed target turns an impact by quadrature; laws that pull take the lines of targets that move. */
 static inline int by_quadrature(const batch_job *j, const film_start *s) { return s->gamma == 0.0 && j->curve->pull == 0.0; }
 
-/* The largest share of the energy with which a motion of this push turns in a stage of exponent 3/2. place: push over the
- * length of a piece, in piece. */
-static inline double largest_share(double place, int piece) {
-    const double *row = &film_largest_share[piece * LIMIT_TERMS];
-    double at = 2.0 * (place - piece) - 1.0, square = at * at, even = 0.0, odd = 0.0;
-    for (int k = LIMIT_TERMS - 2; k >= 0; k -= 2) {
-        even = even * square + row[k];
-        odd = odd * square + row[k + 1];
-    }
-    return even + at * odd;
-}
-
-/* Whether the first stage, of exponent 3/2 and a push below PUSH_END, turns the impactor. */
-static inline int turns_elastically(const batch_job *j, double nu, double gamma) {
-    double place = gamma * j->end_force[0] / nu * (PUSH_PIECES / PUSH_END);
-    return 2.0 * j->whole[0] / (nu * nu) >= largest_share(place, (int)place);
-}
-
-/* turn_excess at the end of stage k; near 0, the exact answer of the first stage's table, if there is one. stored: work of the
- * stages before. */
-static inline int turns_within(const batch_job *j, int32_t k, double stored, double nu, double gamma) {
-    double excess = turn_excess(stored + j->whole[k], j->end_force[k], nu, gamma);
-    int near = fabs(excess) < 0.05 * nu * nu; /* more than turn_excess errs by up to PUSH_END */
-    if (near && has_way_in(j, k) && gamma * j->end_force[k] < PUSH_END * nu) return turns_elastically(j, nu, gamma);
-    return excess > 0.0;
-}
-
 /* The stage in which a target that moves should turn the impactor, by the estimate of turn_excess, or else the one that
  * differs between impacts, and the work of those before; -1: none. */
 static inline int32_t moving_stage(const batch_job *j, double nu, double gamma, double *stored) {
@@ -84,7 +57,7 @@ static inline int32_t moving_stage(const batch_job *j, double nu, double gamma, 
     *stored = 0.0;
     if (j->curve->pull > 0.0) *stored = j->whole[first++]; /* what turns under a pull is left to the march */
     for (int32_t k = first; k < j->curve->stages; k++) {
-        if (k == j->shaped || !(j->whole[k] < INFINITY) || turns_within(j, k, *stored, nu, gamma)) return k;
+        if (k == j->shaped || !(j->whole[k] < INFINITY) || turn_excess(*stored + j->whole[k], j->end_force[k], nu, gamma) > 0.0) return k;
         *stored += j->whole[k];
     }
     return -1;

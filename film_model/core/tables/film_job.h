@@ -126,12 +126,6 @@ static const double MAP_END = 15.0;
 extern const double film_way_in[MAP_PIECES * FILM_WAY_IN_TERMS * FILM_WAY_IN_VALUES + 2];
 extern const double film_way_out[MAP_PIECES * FILM_WAY_OUT_TERMS * FILM_WAY_OUT_VALUES + 2];
 
-/* The table of the way through an elastic stage, film_way_through.c: pieces of the push up to PUSH_END, each in two at MARGIN. */
-enum { PUSH_PIECES = 4, LIMIT_TERMS = 14, THROUGH_TERMS = 14, THROUGH_NUMBERS = 8 * (14 + 10 + 6 + 2) };
-static const double PUSH_END = 0.7, MARGIN = 0.4375;
-extern const double film_largest_share[PUSH_PIECES * LIMIT_TERMS];
-extern const double film_way_through[2 * PUSH_PIECES * THROUGH_NUMBERS];
-
 /* A stage of one power whose force rises: Newton's method finds its depth for a given work from above. */
 static inline int force_rises(const film_curve *curve, int32_t stage) {
     const film_function *g = &curve->piece[curve->stage[stage].first].force;

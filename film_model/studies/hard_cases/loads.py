@@ -165,9 +165,9 @@ def loads() -> Iterator[HardCase]:
     ):
         yield HardCase(f"external force {change}", why, _force_that(change))
     yield HardCase("a thousand reloadings", "partial unloading and reloading on one branch, a thousand times", _reloads)
-    yield HardCase(
-        "no velocity and no force", "there is no motion to simulate", rejected(lambda: simulate_quietly(_resting()))
-    )
+    resting = replace(ball_on_steel("0 m/s"), effects=Effects(gravity=False))
+    still = rejected(lambda: simulate_quietly(resting))
+    yield HardCase("no velocity and no force", "there is no motion to simulate", still)
     yield HardCase(
         "steps of 1e-18 s", "steps smaller than one ulp of the time they are added to", _steps_of(1e-18, 1000)
     )
@@ -190,7 +190,3 @@ def loads() -> Iterator[HardCase]:
     )
     yield HardCase("velocity that is no number", "not a number", rejected(lambda: ball_on_steel("nan m/s")))
     yield HardCase("mass of zero", "no inertia", rejected(lambda: Sphere(radius="1 mm", velocity="1 m/s", mass="0 kg")))
-
-
-def _resting() -> Scene:
-    return replace(ball_on_steel("0 m/s"), effects=Effects(gravity=False))

@@ -179,6 +179,9 @@ def effect(scene):
 
 def test_when_they_are_simulated():
     assert effect(struck(1.0)).state == "simulated"
+    strip = fm.Beam(METAL, "300 mm", "100 mm", "1 mm", ends="clamped", in_plane="fixed")
+    ball = fm.Sphere("20 mm", "0.3 m/s", mass="0.5 kg", material=METAL)  # whose weight keeps the static contact closed
+    assert effect(fm.Scene(ball, strip, fm.Contact("hertz"))).state == "simulated"
     assert effect(struck(1e-3)).state == "not needed"
     assert effect(struck(1.0, in_plane=None)).state == "needed but not modelled"
     off = effect(struck(1.0, effects={"stretching": False}))

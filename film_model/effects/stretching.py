@@ -24,8 +24,10 @@ def possible(scene: Scene) -> bool:
 
 def needed(problem: Problem) -> bool:
     """Whether they are simulated in one impact. problem: on the target's impedance or static stiffness."""
-    scene = problem.scene
-    return possible(scene) and (scene.effects.stretching is True or judged(problem, NAME).state == NOT_MODELLED)
+    if not possible(problem.scene):
+        return False
+    ends = problem if problem.trial.ends else problem.again(load=0.0)  # the weight may keep the contact closed
+    return problem.scene.effects.stretching is True or judged(ends, NAME).state == NOT_MODELLED
 
 
 def settled(effect: Effect, problem: Problem) -> Effect:

@@ -37,7 +37,7 @@ MARCH = (  # one impact; the core's batches are not in FMUs
 MODES = (
     *core("lanes", "instructions"),
     *core("modal", "modal", "modal_table", "modal_loops", "modal_avx2", "modal_avx512", "modal_root", "modal_force"),
-    *core("modal", "modal_contact", "modal_flight"),
+    *core("modal", "modal_stretch", "modal_contact", "modal_flight"),
 )
 RELAXING = core("relax", "relax", "relax_step")
 SLIDING = core("oblique", "radii", "springs", "slide")

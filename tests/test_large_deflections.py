@@ -1,5 +1,7 @@
 """Membrane forces: the warning's number against von Kármán's equations, solved by Ritz's method."""
 
+from typing import Any, NamedTuple
+
 import numpy as np
 import pytest
 from numpy.polynomial import legendre
@@ -25,8 +27,23 @@ def products(one, other, n, m):
     return np.einsum("ai,bj->abij", one[n], other[m]).reshape(-1, POINTS.size**2)
 
 
-def energy_and_force(edges, slides, deflection):
-    """Of a square plate with E = 1, h = 1 and half-sides 1 that is pressed at the centre; and its linear stiffness."""
+class Plane(NamedTuple):
+    """Ritz's method for a square plate with E = 1, h = 1 and half-sides 1: matrices of bending energy and mass, the
+    functions at the centre, their slopes, the strains of displacements in the plane, the product of two strains, the
+    matrix that takes the products of a strain with these to the displacements, and the weights of points."""
+
+    stiff: Any
+    mass: Any
+    at: Any
+    slopes: Any
+    strains: Any
+    product: Any
+    plane: Any
+    weights: Any
+
+
+def ritz(edges, slides):
+    """The plate, with edges that slide in the plane or do not move."""
     bending, stretch = 1 / 12 / (1 - RATIO**2), 1 / (1 - RATIO**2)
     weights, held = np.outer(WEIGHTS, WEIGHTS).ravel(), 2 if edges == "clamped" else 1
     shape = functions(0, held, 12, POINTS)
@@ -50,6 +67,14 @@ def energy_and_force(edges, slides, deflection):
         return stretch * sum((a * weights) @ b.T for a, b in zip(straight, other, strict=True))
 
     plane = np.linalg.pinv(product(strains, strains), rcond=1e-12)
+    still = products(shape, shape, 0, 0)
+    return Plane(stiff, (still * weights) @ still.T, at, (slope_x, slope_y), strains, product, plane, weights)
+
+
+def energy_and_force(edges, slides, deflection):
+    """Of the plate when it is pressed at the centre; and its linear stiffness."""
+    stiff, _, at, (slope_x, slope_y), strains, product, plane, weights = ritz(edges, slides)
+    stretch = 1 / (1 - RATIO**2)
     state = deflection * np.linalg.solve(stiff, at) / (at @ np.linalg.solve(stiff, at))
     force = 0.0
     for _ in range(40):

@@ -70,6 +70,8 @@ EXAMPLES = {
     "size": '["300 mm", "200 mm"]',
     "edges": '"clamped"',
     "edge_stiffness": '"2e6 N/m^2"',
+    "in_plane": '"fixed"',
+    "stretching": "false",
     "damping_ratio": "0.01",
     "position": '"100 mm"',
     "Plate.position": '["100 mm", "50 mm"]',

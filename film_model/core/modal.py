@@ -39,8 +39,11 @@ class Structure(c.Structure):
         ("made", _I * LEVELS),
         ("instructions", _I),
         ("longest", _D),
+        ("carried", _I),
+        ("stresses", _I),
         ("frequency", c.c_void_p),
         ("share", c.c_void_p),
+        ("forms", c.c_void_p),
         ("square", c.c_void_p),
         ("drag", c.c_void_p),
         ("tables", c.c_void_p),
@@ -50,7 +53,10 @@ class Structure(c.Structure):
 class Start(c.Structure):
     """film_modal_start: how an impact on a structure starts."""
 
-    _fields_ = [(name, _D) for name in ("nu", "load", "rest", "mass", "unit", "damping", "tolerance", "limit", "stop")]
+    _fields_ = [
+        (name, _D)
+        for name in ("nu", "load", "rest", "mass", "unit", "damping", "tolerance", "limit", "stop", "stretch")
+    ]
 
 
 class Modal(c.Structure):
@@ -60,8 +66,9 @@ class Modal(c.Structure):
         [("contact", State)]
         + [
             (name, _D)
-            for name in ("time", "time_low", "x", "v", "since", "shift", "rate", "load", "rest", "mass", "unit", "stop")
+            for name in ("time", "time_low", "x", "v", "since", "shift", "rate", "load", "rest", "mass", "unit")
         ]
+        + [("stretch", _D), ("stop", _D)]
         + [(name, _D) for name in ("speed", "tolerance", "last_force", "last_slope", "spent", "peak", "h", "tau")]
         + [("force", _D * _NODES), ("bend", _D * _BENDS)]
         + [(name, _D) for name in ("end_x", "end_v", "end_shift", "end_rate", "event_at", "reach")]
@@ -115,6 +122,9 @@ def _library() -> Any:
     signatures: dict[str, tuple[list[Any], Any]] = {
         "film_structure_size": ([_I, _I], c.c_size_t),
         "film_structure_init": ([pointer, _I, pointer, pointer, pointer, _D, _I, pointer], c.c_int),
+        "film_structure_stretch": ([pointer, _I, _I, pointer], c.c_int),
+        "film_waves_size": ([pointer], c.c_size_t),
+        "film_modal_stretching": ([pointer] * 3, _D),
         "film_modal_init": ([pointer, pointer, pointer, pointer, pointer, _D], c.c_int),
         "film_modal_input": ([pointer] * 4 + [_D] * 3, c.c_int),
         "film_modal_step": ([pointer, pointer, pointer, pointer, _D], c.c_int),
@@ -146,7 +156,9 @@ class Tables:
     for modes that are no motion of a structure. Memory: 17 floats for each mode and step size in use.
     """
 
-    def __init__(self, frequency: Array, share: Array, ratio: Array, longest: float) -> None:
+    def __init__(
+        self, frequency: Array, share: Array, ratio: Array, longest: float, forms: Array | None = None
+    ) -> None:
         self.frequency, self.share, self.ratio = (
             np.ascontiguousarray(column, dtype=np.float64) for column in (frequency, share, ratio)
         )
@@ -169,9 +181,14 @@ class Tables:
         )
         if status != native.OK:
             raise ValueError(_wrong(self.frequency, self.share, self.ratio))
+        self.forms = np.zeros((0, 0, 0)) if forms is None else np.ascontiguousarray(forms, dtype=np.float64)
+        sizes = self.forms.shape[1], self.forms.shape[0]
+        if lib.film_structure_stretch(c.byref(self.native), *sizes, self.forms.ctypes.data) != native.OK:
+            raise ValueError(f"forms of the shape {self.forms.shape} do not suit {self.count} modes")
+        self.waves = lib.film_waves_size(c.byref(self.native))
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return Tables, (self.frequency, self.share, self.ratio, self.longest)
+        return Tables, (self.frequency, self.share, self.ratio, self.longest, self.forms)
 
     @property
     def count(self) -> int:
@@ -198,7 +215,8 @@ def _wrong(frequency: Array, share: Array, ratio: Array) -> str:
 @dataclass(frozen=True)
 class Impact:
     """A recorded impact. status: as `native.record`. segments (SEGMENT_DTYPE), events (EVENT_DTYPE), flights: modal
-    states, one row per flight; energies: of each mode at the end, over F_s δ_s."""
+    states, one row per flight; energies: of each mode at the end, over F_s δ_s. stretching: that of the
+    membrane forces then."""
 
     status: int
     summary: Summary
@@ -206,6 +224,7 @@ class Impact:
     events: NDArray[Any]
     flights: Array
     energies: Array
+    stretching: float = 0.0
 
 
 class _Room:
@@ -237,19 +256,20 @@ def impact(tables: Tables, curve: Curve, start: Start, expected: int = 0, record
 
 
 def _unrecorded(tables: Tables, curve: Curve, start: Start) -> Impact:
-    state, summary, waves, energies = Modal(), Summary(), np.empty(4 * tables.count), np.empty(tables.count)
+    state, summary, waves, energies = Modal(), Summary(), np.empty(tables.waves), np.empty(tables.count)
     own = c.byref(state), waves.ctypes.data
     status = _library().film_modal_impact(
         c.byref(tables.native), c.byref(curve), c.byref(start), *own, c.byref(summary), None
     )
     _library().film_modal_energies(c.byref(tables.native), *own, energies.ctypes.data)
+    stretching = _library().film_modal_stretching(c.byref(tables.native), *own)
     none = np.empty(0, SEGMENT_DTYPE), np.empty(0, EVENT_DTYPE), np.empty((0, 2 * tables.count))
-    return Impact(status, summary, *none, energies)
+    return Impact(status, summary, *none, energies, stretching)
 
 
 def _impact(tables: Tables, curve: Curve, start: Start, expected: int) -> Impact:
     lib, state, summary = _library(), Modal(), Summary()
-    waves = np.empty(4 * tables.count)
+    waves = np.empty(tables.waves)
     at = c.byref(tables.native), c.byref(curve)
     room, parts, size = _Room(tables.count, expected), list[tuple[Any, Any, Array]](), 0
     own = c.byref(state), waves.ctypes.data, c.byref(summary)
@@ -272,7 +292,10 @@ def _impact(tables: Tables, curve: Curve, start: Start, expected: int) -> Impact
     segments, events, flights = (_joined(columns) for columns in zip(*parts, strict=True))
     energies = np.empty(tables.count)
     lib.film_modal_energies(at[0], c.byref(state), waves.ctypes.data, energies.ctypes.data)
-    return Impact(status, summary, segments.view(SEGMENT_DTYPE), events.view(EVENT_DTYPE), flights, energies)
+    stretching = lib.film_modal_stretching(at[0], c.byref(state), waves.ctypes.data)
+    return Impact(
+        status, summary, segments.view(SEGMENT_DTYPE), events.view(EVENT_DTYPE), flights, energies, stretching
+    )
 
 
 def _joined(parts: tuple[NDArray[Any], ...]) -> NDArray[Any]:
@@ -287,7 +310,7 @@ class Motion:
 
     def __init__(self, tables: Tables, curve: Curve, start: Start, gap: float = 0.0) -> None:
         self.tables, self.curve, self.state = tables, curve, Modal()
-        self._waves, self._values = np.zeros(4 * tables.count), np.empty(5)
+        self._waves, self._values = np.zeros(tables.waves), np.empty(5)
         state = c.byref(self.state)
         status = _library().film_modal_init(
             c.byref(tables.native), c.byref(curve), state, self._waves.ctypes.data, c.byref(start), -gap
@@ -335,7 +358,7 @@ def batch(tables: Tables, curve: Curve, start: NDArray[Any]) -> tuple[NDArray[np
     """Statuses and summaries (SUMMARY_DTYPE) of many impacts (START_DTYPE) on one structure; the GIL is released."""
     start = np.ascontiguousarray(start, dtype=START_DTYPE)
     summary, status = np.zeros(start.size, SUMMARY_DTYPE), np.empty(start.size, np.int32)
-    waves = np.empty(4 * tables.count)
+    waves = np.empty(tables.waves)
     with tables.lock:
         _library().film_modal_batch(
             c.byref(tables.native),

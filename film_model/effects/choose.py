@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -22,6 +22,7 @@ from film_model.effects import (
     material_damping,
     plasticity,
     rate_hardening,
+    stretching,
     target_motion,
     viscoelasticity,
     wave_losses,
@@ -118,6 +119,7 @@ class Choice:
         known = {effect.name for effect in self.edges}
         judged = (effect for effect in judge(self._ending, self.problem.vibrates) if effect.name not in known)
         settled = (material_damping.settled(effect, self.problem) for effect in judged)
+        settled = (stretching.settled(effect, self.problem) for effect in settled)
         return (*found, *(wave_losses.settled(effect, self.problem) for effect in settled))
 
     @property
@@ -211,4 +213,5 @@ def _vibrating(problem: Problem) -> Problem:
             f"law {problem.law.name}: laws that pull are not supported on targets that vibrate; "
             "target_motion = false in [effects] fixes the target"
         )
-    return problem.impacts.problem(math.inf, problem.given[1], vibrates=True)
+    vibrating = problem.impacts.problem(math.inf, problem.given[1], vibrates=True)
+    return replace(vibrating, stretches=stretching.needed(problem))

@@ -16,6 +16,7 @@ import numpy as np
 
 from film_model.base.arrays import either, endless, root
 from film_model.base.errors import SimulationError
+from film_model.effects import stretching
 from film_model.effects.effect import (
     FREE,
     NOT_JUDGED,
@@ -64,7 +65,7 @@ def infinite_unless_judged(scene: Scene) -> bool:
     target, effects = scene.target, scene.effects
     if not target.structural or endless(target.impedance):
         return False
-    asked = effects.boundary_reflections is True or effects.target_inertia is True
+    asked = effects.boundary_reflections is True or effects.target_inertia is True or stretching.possible(scene)
     return effects.boundary_reflections is False or (target.finite and not asked)
 
 
@@ -76,6 +77,16 @@ def support_of(impacts: Impacts) -> Supported:
     that cannot be simulated.
     """
     scene, edges = impacts.base, _Edges(impacts)
+    found = _without_stretching(edges)
+    if found[0].vibrates or not stretching.possible(scene) or scene.effects.boundary_reflections is False:
+        return found
+    problem = impacts.problem(found[0].impedance, 0.0, found[0].compliance)
+    return edges.vibrating() if scene.effects.target_inertia is not False and stretching.needed(problem) else found
+
+
+def _without_stretching(edges: _Edges) -> Supported:
+    """The same where membrane forces do not matter."""
+    scene = edges.scene
     target, wanted, inertia = scene.target, scene.effects.boundary_reflections, scene.effects.target_inertia
     if wanted is False:
         if edges.bounded:
@@ -118,7 +129,7 @@ def supports_of(impacts: Impacts) -> Iterator[tuple[Impacts, Support]]:
         yield impacts, Support(impacts.numbers.impedance)
         return
     target = scene.target
-    refused = effects.boundary_reflections is False or effects.target_inertia is True
+    refused = effects.boundary_reflections is False or effects.target_inertia is True or stretching.possible(scene)
     if refused or target.compliance is None or not target.held:
         return
     compliance = np.array(impacts.column(target.compliance))

@@ -7,6 +7,7 @@ leaves the lower restitution.
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 from film_model.base.arrays import any_of, either
@@ -41,7 +42,7 @@ def damped(problem: Problem) -> tuple[Problem, Any]:
     if law == YIELDING and (scene.effects.plasticity is True or _keeps_more(problem, known)):
         return problem, False
     impacts = problem.impacts.under(law_named(problem.impacts.scene, DAMPED))
-    made = impacts.problem(*problem.given, vibrates=problem.vibrates)
+    made = replace(impacts.problem(*problem.given, vibrates=problem.vibrates), stretches=problem.stretches)
     if law == ELASTIC:
         return made, matters(made, problem) if any_of(problem.approach > 0.0) else True
     known = problem.trial.status >= 0  # a ball deeper than the law's end is an error, not elastic

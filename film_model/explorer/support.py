@@ -111,6 +111,8 @@ def data(choice: Choice) -> tuple[dict[str, Any] | None, str]:
     found: dict[str, Any] = {"compliance": target.compliance or 0.0, "modes": None, "scales": scales_of(target)}
     if not vibrates:
         return found, ""
+    if choice.problem.stretches:
+        return None, f"membrane forces of the {target.kind} are not computed on a page"
     asked = choice.scene.solver.accuracy or DEFAULT_ACCURACY
     own = vibrate(choice.problem, target, asked, [], recorded=False)[0]
     whole = isinstance(target, Structure)  # all of its vibrations are known

@@ -215,8 +215,9 @@ class Problem:
     relative velocity over v_s. drift, share: the impactor's velocity is drift + share·ν v_s, a free target's
     drift − (1 − share)·ν v_s; drift 0 and share 1 unless the target is a free body. mass: effective, kg. given: target
     impedance [N s/m], load [N] and compliance [m/N]. free: the target is a free body. vibrates: it moves by its modes,
-    and is integrated, not marched by the core. relaxation: of the moduli, if it is simulated. law: of many impacts,
-    that of the first. own: in what the curves of many impacts differ; then the curve, too, is that of the first.
+    and is integrated, not marched by the core. stretches: with membrane forces. relaxation: of the moduli, if it is
+    simulated. law: of many impacts, that of the first. own: in what the curves of many impacts differ; then the curve,
+    too, is that of the first.
     """
 
     impacts: Impacts = field(repr=False)
@@ -233,6 +234,7 @@ class Problem:
     given: tuple[Number, Number, Number] = field(repr=False)
     free: bool = False
     vibrates: bool = False
+    stretches: bool = False
     relaxation: Relaxation | None = None
     own: OwnCurves = OwnCurves()
     _others: dict[Any, Problem] = field(default_factory=dict, init=False, repr=False, compare=False)
@@ -275,6 +277,7 @@ class Problem:
             given=cast("Any", tuple(_at(values, places) for values in self.given)),
             free=self.free,
             vibrates=self.vibrates,
+            stretches=self.stretches,
             relaxation=self.relaxation,
             own=self.own.part(places),
             **{name: getattr(self, name)[places] for name in numbers},

@@ -76,6 +76,7 @@ class ClosedForm:
             flights=flights,
             energies=np.full(modes.size, np.nan) if energies is None else energies,
             highest=float(modes["frequency"][-1]) * (1.0 + 1e-9),
+            stretching=np.nan if problem.stretches else 0.0,
         )
 
     def sample(self, problem: Problem, unit: float, times: Array) -> tuple[Array, NDArray[np.int8]]:

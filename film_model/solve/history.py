@@ -246,7 +246,7 @@ class History:
         t = units.array_to_si(times, "time", bare=True)
         if t.ndim != 1 or not (t >= 0.0).all() or (np.diff(t) < 0.0).any():
             raise ValueError("times must be a list that ascends from 0 s, first touch, or later")
-        return sensed(self.scene.target, self.vibration, float(self.problem.scales.force), t)
+        return sensed(self.problem, self.vibration, t, self.accuracy.requested)
 
     def spectrum(self, frequencies: Any = None) -> Spectrum:
         """The force, and the response of a structure that vibrates, over frequency; see `film_model.solve.spectrum`.
@@ -268,13 +268,14 @@ class History:
     def sensor_peaks(self) -> Mapping[str, Mapping[str, float]]:
         """Largest absolute displacement, velocity, acceleration and, where wanted, strains and bending stress of each
         sensor, SI; empty if none is simulated. See `film_model.solve.sensed.Peaks`."""
-        from film_model.solve.sensed import Peaks, quantities_of
+        from film_model.solve.sensed import Peaks, quantities_of, replay_of
 
         sensors, on = self.scene.target.sensors, self.vibration
         if not sensors or on is None:
             return {}
         peaks = Peaks(self.scene.target, on.highest)
-        found = peaks.of(on.segments, float(self.problem.scales.force), self.duration)
+        replay = replay_of(self.problem, on, self.accuracy.requested)
+        found = peaks.of(on.segments, float(self.problem.scales.force), self.duration, replay)
         names = [f"maximum_{name}" for name in quantities_of(self.scene.target)]
         return {
             s.name: {name: value for name, value in zip(names, values, strict=True) if value == value}
@@ -283,7 +284,8 @@ class History:
 
     @property
     def vibration_energy_by_mode(self) -> NDArray[np.float64] | None:
-        """Energy of each natural vibration at the end, J, in the order of `vibration.frequency`; None without modes."""
+        """Energy of each natural vibration at the end, without membrane forces, J, in the order of
+        `vibration.frequency`; None without modes."""
         return None if self.vibration is None else self.vibration.energies * self.problem.scales.energy
 
     @property

@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from functools import partial
 from typing import Any, NamedTuple, cast
 
 import numpy as np
@@ -29,7 +30,7 @@ from film_model.scene import DEFAULT_ACCURACY, Scene, Solver
 from film_model.scene.columns import scene_of_columns
 from film_model.solve import structures, vibration
 from film_model.solve.closed_form import ClosedForm
-from film_model.solve.sensed import Peaks, quantities_of
+from film_model.solve.sensed import Peaks, quantities_of, replayed
 from film_model.solve.vibration import Vibration, vibrate
 
 Table = Any  # a structured array of the core
@@ -44,7 +45,7 @@ MOST_RUNS = 5
 """Runs of rows together, each with twice the highest frequency; rows that need more are simulated one by one."""
 
 
-Modes = tuple[Array, Array, Array, float]
+Modes = tuple[Array, Array, Array, float, Array]
 """The arguments of `modal.Tables`."""
 
 
@@ -74,7 +75,7 @@ _START = modal.START_DTYPE.names or ()
 
 
 def _modes(tables: modal.Tables) -> Modes:
-    return tables.frequency, tables.share, tables.ratio, tables.longest
+    return tables.frequency, tables.share, tables.ratio, tables.longest, tables.forms
 
 
 def closed_forms(followed: Followed) -> Iterator[ClosedForm | None]:
@@ -100,7 +101,9 @@ def sensor_peaks(followed: Followed) -> Array:
         for place in places.tolist():
             one = modal.impact(tables, curve, modal.Start(*followed.start[place].item()))
             kept = one.status >= 0
-            own = peaks.of(one.segments, float(force[place]), float(one.events["time"][-1])) if kept else lost
+            at = (tables, curve, modal.Start(*followed.start[place].item()), followed.highest)
+            replay = partial(replayed, target, *at) if tables.forms.size else None
+            own = peaks.of(one.segments, float(force[place]), float(one.events["time"][-1]), replay) if kept else lost
             found.append(own.T)
         return found
 
@@ -178,7 +181,7 @@ def _on_one_structure(scene: Scene, columns: Mapping[str, Array], rows: Index, a
     places = np.unique(np.linspace(0, rows.size - 1, TRIED).astype(int))
     problems = [_problem(scene, columns, int(rows[order[place]])) for place in places.tolist()]
     first = problems[0]
-    if any(p.law != first.law or p.curve is not first.curve or not p.vibrates for p in problems):
+    if any(p.law != first.law or p.curve is not first.curve or not p.vibrates or p.stretches for p in problems):
         return None
     try:
         runs = [vibrate(problem, scene.target, accuracy, [], recorded=False) for problem in problems]

@@ -17,7 +17,8 @@ class ModalMotion:
 
     unit: the march's unit of time, s. segments: steps in contact, and flights; flights: the modes' state at the
     beginning of each. A step has 320 bytes in memory, a flight 16 bytes per mode. energies: of each mode at the end.
-    highest: frequency up to which the target's modes were taken, rad/s.
+    highest: frequency up to which the target's modes were taken, rad/s. stretching: energy of the membrane forces at
+    the end.
     """
 
     curve: native.Curve = field(repr=False)
@@ -27,6 +28,7 @@ class ModalMotion:
     flights: Array = field(repr=False)
     energies: Array = field(repr=False)
     highest: float
+    stretching: float
 
     @property
     def frequency(self) -> Array:
@@ -40,8 +42,8 @@ class ModalMotion:
 
     @property
     def energy(self) -> float:
-        """Energy of all modes at the end."""
-        return float(self.energies.sum())
+        """Energy of all modes and of the membrane forces at the end."""
+        return float(self.energies.sum()) + self.stretching
 
     @property
     def damped(self) -> bool:

@@ -230,4 +230,7 @@ def modes_for(problem: Problem, accuracy: float, warnings: list[str]) -> Vibrati
     `FALLBACK_VELOCITY`."""
     moves = problem.approach > 0.0 or problem.load > 0.0
     problem = problem if moves else replace(problem, approach=FALLBACK_VELOCITY)
+    if problem.stretches:
+        warnings.append(f"membrane forces of the {problem.scene.target.kind} are left out of motions in steps")
+        problem = replace(problem, stretches=False)
     return vibrate(problem, problem.scene.target, accuracy, warnings, recorded=False)[0]

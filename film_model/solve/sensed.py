@@ -9,16 +9,24 @@ linear between even times, for which Duhamel's integral is one convolution, what
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from film_model.base.arrays import Array
+from film_model.base.errors import CoreError
 from film_model.base.threads import one_thread
-from film_model.core.modal import Tables
+from film_model.core.modal import Motion, Start, Tables
+from film_model.core.native import OK, Curve
+from film_model.problem.problem import Problem
+from film_model.scene import DEFAULT_ACCURACY
 from film_model.solve.modal_motion import ModalMotion
+from film_model.solve.structures import CARRIED, modes_of
+from film_model.solve.vibration import Vibration, vibrate
 from film_model.targets import AbstractTarget, Modes
 
 TURNED = 0.5
@@ -81,18 +89,51 @@ class Sensed:
     bending_stress: Array = field(default_factory=lambda: np.zeros((0, 0)))
 
 
-def sensed(target: AbstractTarget, vibration: ModalMotion | None, force: float, times: Array) -> Sensed:
-    """The motion of a target's sensors at ascending times, s, from first touch on. force: unit of the steps', N.
+def sensed(problem: Problem, vibration: ModalMotion | None, times: Array, accuracy: float | None = None) -> Sensed:
+    """The motion of a target's sensors at ascending times, s, from first touch on. accuracy: as of :func:`replay_of`.
 
     It has the vibrations that the impact was followed with; what vibrations above them add statically is left out.
     Raises ValueError if the target has no sensors, or does not vibrate.
     """
+    target = problem.scene.target
     if not target.sensors:
         raise ValueError("the target has no sensors: give them as [[target.sensors]]")
     if vibration is None:
         raise ValueError("sensors need a target whose vibrations are simulated: see the effect boundary_reflections")
-    found = _follow(_with_strain(target.modes(vibration.highest)), vibration.segments, force, times)
+    if (replay := replay_of(problem, vibration, accuracy)) is not None:
+        found = replay(times)
+    else:
+        modes, force = _with_strain(target.modes(vibration.highest)), float(problem.scales.force)
+        found = _follow(modes, vibration.segments, force, times)
     return Sensed(tuple(sensor.name for sensor in target.sensors), times, *_split(target, found))
+
+
+def replay_of(problem: Problem, on: ModalMotion, accuracy: float | None) -> Callable[[Array], Array] | None:
+    """What follows an impact with membrane forces once more: :func:`replayed` at times; None for others. accuracy: with
+    which it was simulated, None for the default; a motion from a file is simulated again."""
+    if not problem.stretches:
+        return None
+    target = problem.scene.target
+    if not isinstance(on, Vibration):
+        on = vibrate(problem, target, accuracy or DEFAULT_ACCURACY, [], recorded=False)[0]
+    return partial(replayed, target, on.tables, on.curve, on.start, on.highest)
+
+
+def replayed(target: AbstractTarget, tables: Tables, curve: Curve, start: Start, highest: float, times: Array) -> Array:
+    """The motion of all rows, as of :func:`_follow`, with membrane forces: the impact is followed once more."""
+    modes, motion = _with_strain(modes_of(target, highest, CARRIED)[0]), Motion(tables, curve, start)
+    weights, found = np.zeros((len(modes.factor), tables.count)), np.empty((3, len(modes.factor), times.size))
+    weights[:, : modes.frequency.size] = modes.factor / modes.share
+    state = motion.state
+    for k, time in enumerate(times.tolist()):
+        while (left := time - (state.time + state.tau)) > 0.0:
+            state.steps = 0  # the limit of work is for each step
+            if (status := motion.step(left)) < 0:
+                raise CoreError(f"the motion of the sensors cannot be followed beyond {state.time:.4g} s", status)
+            if status == OK:
+                break
+        found[:, :, k] = motion.sensed(weights)
+    return math.sqrt(start.stretch) * found
 
 
 def _with_strain(modes: Modes) -> Modes:
@@ -209,15 +250,18 @@ class Peaks:
         self._target, self._modes = target, _with_strain(target.modes(highest))
         self._kept = dict[tuple[float, int], NDArray[np.complex128]]()
 
-    def of(self, steps: Any, unit: float, duration: float) -> Array:
+    def of(self, steps: Any, unit: float, duration: float, replay: Callable[[Array], Array] | None = None) -> Array:
         """Largest absolute values of the quantities of each sensor, SI: (quantities, sensors). steps: the recorded
-        segments. unit: of their forces, N. duration: of what is looked at, s."""
+        segments. unit: of their forces, N. duration: of what is looked at, s. replay: gives the motion of all rows at
+        times, for impacts with membrane forces."""
         if duration <= 0.0:
             return np.zeros((len(quantities_of(self._target)), len(self._target.sensors or ())))
         touching = float(np.minimum(steps["h"], duration)[steps["flight"] < 0].sum())
         longest = max(touching / IN_CONTACT, duration / MOST_TIMES)
         dt = 2.0 ** math.floor(math.log2(longest))  # impacts of about equal duration share their responses
         count = math.ceil(duration / dt) + 1
+        if replay is not None:
+            return np.abs(_split(self._target, replay(np.minimum(dt * np.arange(count), duration)))).max(axis=-1)
         size = 1 << count.bit_length()
         if (key := (dt, size)) not in self._kept:
             self._kept[key] = np.fft.rfft(responses(self._modes, dt, size), 2 * size)

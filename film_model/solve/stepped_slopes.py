@@ -119,6 +119,7 @@ def _on_modes(choice: Choice, pair: Pairs, path: str, highest: float, accuracy: 
     """With the modes up to a frequency."""
     target, unit, count = choice.scene.target, choice.problem.scales.time, 0
     limit, tolerance = vibration.time_limit(choice.problem, target), max(accuracy * STEPS, vibration.TIGHTEST)
+    carried = structures.CARRIED if choice.problem.stretches else 0
     value, step = float(pair.value[0]), float(pair.step[0])
     if _changes_modes(target, _impacts(choice, pair, path, value + step).base.target):
         highest, count = _between_modes(path, target, highest)
@@ -126,10 +127,10 @@ def _on_modes(choice: Choice, pair: Pairs, path: str, highest: float, accuracy: 
     @cache
     def run(offset: float) -> _Run:
         impacts = _impacts(choice, pair, path, value + offset * step)
-        problem = impacts.problem(math.inf, _load(impacts), vibrates=True)
+        problem = replace(impacts.problem(math.inf, _load(impacts), vibrates=True), stretches=choice.problem.stretches)
         of = impacts.base.target if count else target
         end = _end_of_modes(of, highest, count) if count else highest
-        found = vibration.run(problem, structures.structure_of(of, end, unit), tolerance, limit)
+        found = vibration.run(problem, structures.structure_of(of, end, unit, carried), tolerance, limit)
         values = summary_of(problem, found.status, found.summary) | found.energies_in_si(problem)
         return _Run(_values(values), (found.status, found.contacts), int(found.summary.stage))
 

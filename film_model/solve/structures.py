@@ -15,6 +15,7 @@ from typing import Any
 
 import numpy as np
 
+from film_model.base.arrays import Array
 from film_model.base.errors import SimulationError, TooManyModes
 from film_model.core import modal
 from film_model.problem.curve import can_be_in_series
@@ -44,9 +45,18 @@ class Structure:
     """The same with one more mode of the omitted compliance."""
 
 
-def structure_of(target: AbstractTarget, highest: float, unit: float) -> Structure:
-    """The modes up to the frequency `highest` [rad/s]; unit: of time in the march, s. Kept for the latest targets."""
-    return _by_target(_kept, made, target, highest, rounded(unit))
+CARRIED = 16
+"""Most vibrations with membrane forces, the lowest. At 2.8 thicknesses the largest force on a square plate is 979,
+1033, 1052 and 1064 N with 6, 11, 15 and 20 of them; the time grows with the fourth power of their number."""
+
+APART = 1e-3
+"""Least relative distance between the frequencies of the last of them and the next."""
+
+
+def structure_of(target: AbstractTarget, highest: float, unit: float, carried: int = 0) -> Structure:
+    """The modes up to the frequency `highest` [rad/s]; unit: of time in the march, s. Kept for the latest targets.
+    carried: most modes with membrane forces."""
+    return _by_target(_kept, made, target, highest, rounded(unit), carried)
 
 
 def omitted_compliance(target: AbstractTarget, highest: float, unit: float) -> float:
@@ -54,21 +64,48 @@ def omitted_compliance(target: AbstractTarget, highest: float, unit: float) -> f
     return structure_of(target, highest, unit).omitted
 
 
-def made(target: AbstractTarget, highest: float, longest: float) -> Structure:
-    """The modes up to a frequency, with tables of their own. longest: step, s."""
-    modes = target.modes(highest).merged()
+def modes_of(target: AbstractTarget, highest: float, carried: int = 0) -> tuple[Modes, Array | None]:
+    """The modes up to a frequency, and the forms of the membrane energy of at most `carried` of them, None without."""
+    if not carried:
+        return target.modes(highest).merged(), None
+    (low, forms), high = _by_target(_kept_membrane, _membrane, target, carried), target.modes(highest)
+    count = low.frequency.size
+    if high.frequency.size <= count:
+        low = low.below(highest)
+        return low, forms[:, : low.frequency.size, : low.frequency.size]
+    names = ("frequency", "share", "damping_ratio", "factor", "strain")
+    parts = ((getattr(low, name), getattr(high, name)[..., count:]) for name in names)
+    return Modes(*(np.concatenate(part, axis=-1) for part in parts)), forms
+
+
+def _membrane(target: AbstractTarget, carried: int) -> tuple[Modes, Array]:
+    """The lowest modes, up to a frequency from which the next is apart, and their forms."""
+    highest = 2.0 * lowest_frequency(target)
+    while (known := target.modes(highest).frequency).size <= carried:
+        highest *= 1.5
+    gaps = np.flatnonzero(np.diff(known[: carried + 1]) > APART * known[1 : carried + 1])
+    last = int(gaps[-1]) if gaps.size else 0
+    return target.membrane(0.5 * float(known[last] + known[last + 1]))
+
+
+_kept_membrane = lru_cache(maxsize=16)(_membrane)
+
+
+def made(target: AbstractTarget, highest: float, longest: float, carried: int = 0) -> Structure:
+    """The modes up to a frequency, with tables of their own. longest: step, s. carried: as of :func:`modes_of`."""
+    modes, forms = modes_of(target, highest, carried)
     if modes.frequency.size > MOST_MODES:
         raise TooManyModes(
             f"{modes.frequency.size} natural vibrations would be needed, more than {MOST_MODES}: the contact ends long "
             "before waves return from the edges, so set boundary_reflections = false in [effects]"
         )
     try:
-        tables = modal.Tables(modes.frequency, modes.share, modes.damping_ratio, longest)
+        tables = modal.Tables(modes.frequency, modes.share, modes.damping_ratio, longest, forms)
     except ValueError as error:
         raise SimulationError(f"the target's natural vibrations cannot be simulated: {error}") from None
     omitted = target.omitted(modes, highest)
     return Structure(
-        highest, tables, omitted, _with_omitted(modes, omitted, highest, longest) if omitted > 0.0 else tables
+        highest, tables, omitted, _with_omitted(modes, omitted, highest, longest, forms) if omitted > 0.0 else tables
     )
 
 
@@ -77,7 +114,9 @@ def softer(structure: Structure, error: float) -> Structure:
     own, omitted = structure.tables, structure.omitted + error
     modes = Modes(own.frequency, own.share, own.ratio)
     return replace(
-        structure, omitted=omitted, with_omitted=_with_omitted(modes, omitted, structure.highest, own.longest)
+        structure,
+        omitted=omitted,
+        with_omitted=_with_omitted(modes, omitted, structure.highest, own.longest, own.forms),
     )
 
 
@@ -87,16 +126,20 @@ _kept = lru_cache(maxsize=16)(made)
 def forget() -> None:
     """Discard the kept structures."""
     _kept.cache_clear()
+    _kept_membrane.cache_clear()
     _kept_lowest.cache_clear()
 
 
-def _with_omitted(modes: Modes, omitted: float, highest: float, longest: float) -> modal.Tables:
+def _with_omitted(
+    modes: Modes, omitted: float, highest: float, longest: float, forms: Array | None = None
+) -> modal.Tables:
     frequency = ABOVE * highest
     return modal.Tables(
         np.append(modes.frequency, frequency),
         np.append(modes.share, omitted * frequency**2),
         np.append(modes.damping_ratio, 0.0),
         longest,
+        forms,
     )
 
 

@@ -172,11 +172,11 @@ def vibrate(
     still, lowest, limit = _on_a_fixed_target(problem), structures.lowest_frequency(target), time_limit(problem, target)
     first = structures.rounded(max(FIRST_PHASE / (still.time_of_maximum_indentation * unit), 4.0 * lowest))
 
-    tried = [first]
+    tried, carried = [first], structures.CARRIED if problem.stretches else 0
 
     def modes(highest: float) -> structures.Structure:
         tried.append(highest)
-        return structures.structure_of(target, highest, unit)
+        return structures.structure_of(target, highest, unit, carried)
 
     try:
         rattles = structures.omitted_as_mode(problem, target, first)
@@ -193,7 +193,30 @@ def vibrate(
             f"accuracy {accuracy:g} is not reached: the static deflection of the {target.kind} is known within "
             f"{target.compliance_error / (target.compliance or 1.0):.1e}, which changes the summary by {own:.1e}"
         )
+    if carried:
+        fewer = structures.structure_of(target, found.highest, unit, carried // 2)
+        own += _membrane_error(problem, found, fewer, accuracy, warnings)
     return replace(found, target_error=own), estimated + own
+
+
+MEMBRANE_FACTOR = 2.0
+"""Bound on the error by the number of vibrations with membrane forces over the change if only half of them have these:
+the error is about inversely proportional to the number."""
+
+
+def _membrane_error(
+    problem: Problem, found: Vibration, fewer: structures.Structure, accuracy: float, warnings: list[str]
+) -> float:
+    """The error by membrane forces on the lowest vibrations alone, with a warning if it is above the accuracy."""
+    other = run(problem, fewer, found.start.tolerance, found.start.limit, recorded=False)
+    error = MEMBRANE_FACTOR * max(map(float, differences(problem, other.summary, found.summary).values()))
+    if error > accuracy:
+        count = found.tables.forms.shape[1]
+        warnings.append(
+            f"accuracy {accuracy:g} is not reached: only the {count} lowest vibrations have membrane forces, which "
+            f"changes the summary by up to {error:.1e}"
+        )
+    return error
 
 
 def _target_error(
@@ -309,7 +332,8 @@ def run(
     tables, rest = structures.tables_of(problem, structure, structure.omitted * scales.force / scales.length)
     curve = curve_of(problem.law).native
     start = modal.Start(
-        problem.approach, problem.load, rest, problem.mass, scales.time, problem.damping, tolerance, limit
+        *(problem.approach, problem.load, rest, problem.mass, scales.time, problem.damping, tolerance, limit),
+        stretch=scales.length**2,
     )
     found = modal.impact(tables, curve, start, recorded=recorded)
     _check(found.status, problem, tables)
@@ -324,6 +348,7 @@ def run(
         flights=found.flights,
         energies=found.energies,
         highest=structure.highest,
+        stretching=found.stretching,
         start=start,
         met=found.events,
         outcome=_OUTCOMES[found.status],

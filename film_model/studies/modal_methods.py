@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from film_model.base.arrays import Array
-from film_model.base.errors import Outcome
+from film_model.base.errors import Outcome, SimulationError
 from film_model.core import modal, native
 from film_model.problem.curve import curve_of
 from film_model.problem.problem import Problem
@@ -40,6 +40,8 @@ class _Modes(NamedTuple):
 
 
 def _modes(problem: Problem, scene: Scene) -> _Modes:
+    if problem.stretches:
+        raise SimulationError("the compared methods have no membrane forces: set stretching = false in [effects]")
     asked = scene.solver.accuracy or DEFAULT_ACCURACY
     found, _ = vibration.vibrate(problem, scene.target, asked, [])
     structure = structures.structure_of(scene.target, found.highest, problem.scales.time)

@@ -5,7 +5,10 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Any, ClassVar, Literal
+
+import numpy as np
 
 from film_model.base.arrays import same
 from film_model.base.errors import TooManyModes, raise_all
@@ -13,13 +16,14 @@ from film_model.base.fields import choice, entry, measure, mistake
 from film_model.base.materials import REQUIRED_MATERIAL, Material, MaterialLike
 from film_model.base.units import Value
 from film_model.targets.beam_theory import Line, beam_shear_coefficient, line_compliance, line_modes
-from film_model.targets.modes import Modes, pulse_response
+from film_model.targets.membrane import membrane_forms, plate_membrane
+from film_model.targets.modes import Array, Modes, Points, pulse_response
 from film_model.targets.panel_statics import compliance_and_error, panel_compliance
 from film_model.targets.plate_waves import plate_stiffness, shear_around
 from film_model.targets.ritz import Panel, panel_modes
 from film_model.targets.sensors import SENSORS, Sensor, points_of, sensor_mistakes, with_strains
 from film_model.targets.stretching import lengthening, stretching
-from film_model.targets.supports import DAMPING, SUPPORTS, damped, one_or
+from film_model.targets.supports import DAMPING, IN_PLANE, SUPPORTS, damped, one_or
 from film_model.targets.target import (
     COMES_BACK,
     GIVEN_STIFFNESS,
@@ -51,10 +55,10 @@ class Beam(AbstractTarget):
     supported", "clamped" or "free"; one word, or two; or "cantilever", clamped at the first end only. theory:
     "timoshenko", with shear and rotary inertia; "euler-bernoulli", without; "plate", which bends across its width too;
     "auto": a plate if at least six times as wide as thick, otherwise Timoshenko's. damping_ratio: of the vibrations;
-    one number, or a list for those that move the struck point. position: of the impact, distance from the first end, m;
-    default the middle, or the free end of a cantilever. static_stiffness: force over deflection at that point, N/m;
-    default from the theory. sensors: points whose motion is wanted.
-    radius: of a curved surface, m.
+    one number, or a list for those that move the struck point. in_plane: "fixed" or "free", whether the ends are
+    held along the beam; without, the axial force is not simulated. position: of the impact, distance from the first
+    end, m; default the middle, or the free end of a cantilever. static_stiffness: force over deflection at that point,
+    N/m; default from the theory. sensors: points whose motion is wanted. radius: of a curved surface, m.
 
     >>> fm.Beam("mild steel", length="300 mm", width="20 mm", thickness="10 mm").finite
     True
@@ -72,6 +76,7 @@ class Beam(AbstractTarget):
         choice("auto", "timoshenko", "euler-bernoulli", "plate")
     )
     damping_ratio: float | tuple[float, ...] | None = entry(DAMPING)
+    in_plane: Literal["fixed", "free"] | None = entry(IN_PLANE)  # pyright: ignore[reportIncompatibleVariableOverride]
     position: float | None = entry(PLACE)
     static_stiffness: float | None = entry(STATIC_STIFFNESS)
     sensors: tuple[Sensor, ...] | None = entry(SENSORS)  # pyright: ignore[reportIncompatibleVariableOverride]
@@ -90,6 +95,7 @@ class Beam(AbstractTarget):
         theory: Literal["auto", "timoshenko", "euler-bernoulli", "plate"] = "auto",
         damping_ratio: float | Sequence[float] | None = None,
         sensors: Sequence[Sensor | Mapping[str, Any]] | None = None,
+        in_plane: Literal["fixed", "free"] | None = None,
     ) -> None:
         mistakes = fill_target(self, locals())
         if isinstance(self.ends, tuple) and "cantilever" in self.ends:
@@ -158,12 +164,36 @@ class Beam(AbstractTarget):
 
     def modes(self, highest: float) -> Modes:
         """Natural vibrations up to a frequency [rad/s]; in the middle of the width."""
+        return damped(with_strains(self._seen(highest, self._sensed), self.sensors), self.damping_ratio)
+
+    def _seen(self, highest: float, others: Points) -> Modes:
+        """The undamped vibrations at the struck point and at other points."""
         if self.wide:
-            others = points_of(self.sensors, (self.width / 2,))
-            modes = panel_modes(self._strip, (self._struck, self.width / 2), highest, others)
+            return panel_modes(self._strip, (self._struck, self.width / 2), highest, others)
+        return line_modes(self._line, self._struck, highest, others)
+
+    @property
+    def _sensed(self) -> Points:
+        return points_of(self.sensors, (self.width / 2,) if self.wide else ())
+
+    @property
+    def stretches(self) -> bool:
+        """Whether `in_plane` is given, the vibrations are known, and both ends are held; of a slender beam in its
+        direction, too."""
+        known = self.in_plane is not None and not self.stiffness_given and "free" not in self._ends
+        return known and (self.wide or self.in_plane == "fixed")
+
+    def membrane(self, highest: float) -> tuple[Modes, Array]:
+        """By the axial force E A ε of a slender beam, or as a plate with two free edges."""
+        held = tuple(self.in_plane == "fixed" and end != "free" for end in self._ends)
+        seen, sensed = partial(self._seen, highest), self._sensed
+        if self.wide:
+            sheet = (self.length, self.width), (*held, False, False), self.thickness, self._strip.stiffness
+            modes, forms = plate_membrane(seen, sensed, *sheet)
         else:
-            modes = line_modes(self._line, self._struck, highest, points_of(self.sensors))
-        return damped(with_strains(modes, self.sensors), self.damping_ratio)
+            stiffness = np.array([[self.material.youngs_modulus * self.width * self.thickness]])
+            modes, forms = membrane_forms(seen, sensed, (self.length,), held, stiffness)
+        return damped(with_strains(modes, self.sensors), self.damping_ratio), forms
 
     def reflections(self, impact: Impact) -> Estimate:
         """Not estimated: the whole beam is simulated, unless it is assumed fixed."""
@@ -197,7 +227,7 @@ class Beam(AbstractTarget):
         strain = lengthening(self._ends, self.length, self._struck)
         membrane = self.material.youngs_modulus * self.width * self.thickness * self.length
         part = self.first_mode_share * self.whole_mass
-        return stretching(impact, self.thickness, self.compliance, part, strain, membrane)
+        return stretching(impact, self.thickness, self.compliance, part, strain, membrane, in_plane=self.in_plane)
 
     def bending_strength(self, impact: Impact) -> Estimate:
         """Not estimated."""

@@ -9,15 +9,17 @@ from functools import reduce
 from typing import Any, ClassVar, Literal, cast
 
 from film_model.base.arrays import greater, lesser, root
-from film_model.base.errors import Mistake, raise_all
+from film_model.base.errors import raise_all
 from film_model.base.fields import choice, entry, measure, mistake, part, several
 from film_model.base.materials import MATERIAL, Material, MaterialLike
 from film_model.base.units import Value, format_si
 from film_model.targets.bending_stiffness import BendingStiffness
 from film_model.targets.bending_strength import bending_strength, reach_of
 from film_model.targets.layup import LAYUP, Ply, PlyLike, coupling, laminate
-from film_model.targets.modes import Modes
+from film_model.targets.membrane import plate_membrane
+from film_model.targets.modes import Array, Modes, Points
 from film_model.targets.panel_statics import compliance_and_error
+from film_model.targets.plate_entries import kind_mistakes
 from film_model.targets.plate_modes import plate_modes
 from film_model.targets.plate_statics import plate_compliance
 from film_model.targets.plate_waves import (
@@ -30,8 +32,17 @@ from film_model.targets.plate_waves import (
 )
 from film_model.targets.ritz import Panel, loose, panel_modes
 from film_model.targets.sensors import SENSORS, Sensor, points_of, sensor_mistakes, with_strains
-from film_model.targets.stretching import lengthening, mean_square, sliding, stretching
-from film_model.targets.supports import DAMPING, EDGE_STIFFNESS, EDGES, FOUNDATION, damped, four, spring_mistakes
+from film_model.targets.stretching import lengthening_of_plate, sliding, stretching
+from film_model.targets.supports import (
+    DAMPING,
+    EDGE_STIFFNESS,
+    EDGES,
+    FOUNDATION,
+    IN_PLANE,
+    damped,
+    four,
+    spring_mistakes,
+)
 from film_model.targets.target import (
     COMES_BACK,
     GIVEN_STIFFNESS,
@@ -49,7 +60,7 @@ from film_model.targets.target import (
     no_effect,
     place_mistakes,
 )
-from film_model.targets.waves import BESIDE_BENDING, MEAN_FREQUENCY, bending_time, crossing_time, radiated_energy
+from film_model.targets.waves import MEAN_FREQUENCY, crossing_time, sheet_losses
 
 REFLECTION_CHANGE = 0.03, 2.2
 """c and p of the change c m (1 + e)/(Z e t_c) (t/t_return)^p by waves reflected from the edges of a plate."""
@@ -68,9 +79,11 @@ class Plate(AbstractTarget):
     the first; without it the plate is infinite. edges: "simply supported", "clamped" or "free"; one word, or four for x
     = 0, x = a, y = 0, y = b. edge_stiffness: of elastic supports of free edges, N/m²; one number or four.
     foundation_stiffness: of an elastic bed, N/m³. damping_ratio: of the vibrations; one number, or a list for those
-    that move the struck point. position: of the impact, distances from a corner along the two sides, m; default the
-    centre. static_stiffness: force over deflection at that point, N/m; default from plate theory. impedance_formula:
-    "exact", or "paper" to reproduce published results. sensors: points to follow. radius: of the surface, m.
+    that move the struck point. in_plane: "fixed" or "free", whether the edges are held in the plane; without,
+    membrane forces are not simulated. position: of the impact, distances from a corner along the two sides, m; default
+    the centre. static_stiffness: force over deflection at that point, N/m; default from plate theory.
+    impedance_formula: "exact", or "paper" to reproduce published results. sensors: points to follow. radius: of the
+    surface, m.
 
     >>> round(fm.Plate("mild steel", "4 mm", size=["150 mm", "100 mm"]).impedance, 1)  # N·s/m
     1572.7
@@ -89,6 +102,7 @@ class Plate(AbstractTarget):
     edge_stiffness: float | tuple[float, float, float, float] | None = entry(EDGE_STIFFNESS)
     foundation_stiffness: float | None = entry(FOUNDATION)
     damping_ratio: float | tuple[float, ...] | None = entry(DAMPING)
+    in_plane: Literal["fixed", "free"] | None = entry(IN_PLANE)  # pyright: ignore[reportIncompatibleVariableOverride]
     position: tuple[float, float] | None = entry(several(PLACE, 2))
     static_stiffness: float | None = entry(STATIC_STIFFNESS)
     impedance_formula: Literal["exact", "paper"] = entry(choice("exact", "paper"))
@@ -112,35 +126,21 @@ class Plate(AbstractTarget):
         foundation_stiffness: Value | None = None,
         damping_ratio: float | Sequence[float] | None = None,
         sensors: Sequence[Sensor | Mapping[str, Any]] | None = None,
+        in_plane: Literal["fixed", "free"] | None = None,
     ) -> None:
         mistakes = fill_target(self, locals())
         if self.edges:
             mistakes += place_mistakes(self, "size", self.size, self.position, four(self.edges))
             mistakes += sensor_mistakes(self, self.sensors, self.size, self._struck if self.size else ())
             mistakes += spring_mistakes(self, four(self.edge_stiffness or 0.0), four(self.edges))
-        for name in ("edges", "edge_stiffness", "foundation_stiffness", "damping_ratio"):
+        if in_plane is not None and thickness is None:
+            mistakes.append(mistake(self, "in_plane", "needs thickness: the membrane stiffness is not known without"))
+        for name in ("edges", "edge_stiffness", "foundation_stiffness", "damping_ratio", "in_plane"):
             given = getattr(self, name)
             if given and given != "simply supported" and size is None and static_stiffness is None:
                 mistakes.append(mistake(self, name, "needs a size: an infinite plate has neither edges nor vibrations"))
-        raise_all(mistakes + self._mistakes_of_kind(thickness, mass_per_area, bending_stiffness, layup))
-
-    def _mistakes_of_kind(self, thickness: object, mass: object, bending: object, layup: object) -> list[Mistake]:
-        """The mistake of describing the plate in none of the three ways, or in two."""
-        either = "give thickness (isotropic), or mass_per_area and bending_stiffness, or layup"
-        pair = {"mass_per_area": mass, "bending_stiffness": bending}
-        given = [name for name, value in pair.items() if value is not None]
-        if layup is not None:
-            others = [*given, *(["thickness"] if thickness is not None else [])]
-            return [mistake(self, name, f"{either}, not two of them") for name in others]
-        if thickness is None and len(given) < 2:
-            missing = "thickness" if not given else next(name for name in pair if name not in given)
-            return [mistake(self, missing, f"missing: {either}")]
-        if thickness is None:
-            return []
-        mistakes = [mistake(self, name, f"{either}, not both") for name in given]
-        if self.material is None:
-            mistakes.append(mistake(self, "material", f"missing: a plate of given thickness needs it; {either}"))
-        return mistakes
+        pair = {"mass_per_area": mass_per_area, "bending_stiffness": bending_stiffness}
+        raise_all(mistakes + kind_mistakes(self, self.material, thickness, pair, layup))
 
     @property
     def whole_thickness(self) -> float | None:
@@ -246,12 +246,29 @@ class Plate(AbstractTarget):
     def modes(self, highest: float) -> Modes:
         """Natural vibrations up to a frequency [rad/s]: in closed form if simply supported, or by Ritz's method."""
         assert self.size is not None
-        bed, others = self.foundation_stiffness or 0.0, points_of(self.sensors)
+        return damped(with_strains(self._seen(highest, points_of(self.sensors)), self.sensors), self.damping_ratio)
+
+    def _seen(self, highest: float, others: Points) -> Modes:
+        """The undamped vibrations at the struck point and at other points."""
+        assert self.size is not None
+        bed = self.foundation_stiffness or 0.0
         if self._simple:
-            modes = plate_modes(self.surface_density, self.stiffness, self.size, self._struck, highest, bed, others)
-        else:
-            modes = panel_modes(self._panel, self._struck, highest, others)
-        return damped(with_strains(modes, self.sensors), self.damping_ratio)
+            return plate_modes(self.surface_density, self.stiffness, self.size, self._struck, highest, bed, others)
+        return panel_modes(self._panel, self._struck, highest, others)
+
+    @property
+    def stretches(self) -> bool:
+        """Whether `in_plane` is given, the vibrations are known, and two opposite edges are held."""
+        known, edges = self.in_plane is not None and self.size is not None, four(self.edges)
+        return known and not self.stiffness_given and not ("free" in edges[:2] and "free" in edges[2:])
+
+    def membrane(self, highest: float) -> tuple[Modes, Array]:
+        """By von Kármán's theory, with the membrane stiffness 12/h² times the bending stiffness."""
+        assert self.size is not None and self.thickness is not None
+        held = tuple(self.in_plane == "fixed" and edge != "free" for edge in four(self.edges))
+        sheet = points_of(self.sensors), self.size, held, self.thickness, self.stiffness
+        modes, forms = plate_membrane(lambda at: self._seen(highest, at), *sheet)
+        return damped(with_strains(modes, self.sensors), self.damping_ratio), forms
 
     @property
     def _simple(self) -> bool:
@@ -328,17 +345,7 @@ class Plate(AbstractTarget):
     def wave_losses(self, impact: Impact) -> Estimate:
         """A contact shorter than 2h/c_L radiates as into a half-space; beyond 10 h/c_T bending waves take all. Between,
         a quarter of what a half-space takes, or what it takes more than bending and shear."""
-        if self.thickness is None or (material := self.material) is None:
-            return Estimate("the thickness or the waves of a plate of layers, or of given stiffness, are not known")
-        if impact.duration >= bending_time(material, self.thickness):
-            return no_effect("the contact is slow enough for bending waves, which are part of the target's motion")
-        carried = 1.0 - impact.restitution**2 - impact.fraction if impact.by_impedance else 0.0
-        radiated = radiated_energy(material, impact) / impact.energy
-        size = min(1.0, max(BESIDE_BENDING * radiated, radiated - carried))
-        reason = "the plate is too thick for bending waves alone and too thin for a half-space"
-        if impact.duration < crossing_time(material, self.thickness):
-            reason = "contact ends before a wave returns from the far side, so that the plate radiates as a half-space"
-        return Estimate(reason, size, impact.tolerance, size)
+        return sheet_losses(impact, self.material, self.thickness)
 
     def contact_width(self, impact: Impact) -> Estimate:
         """Half-space laws need a contact that is narrow compared with the thickness."""
@@ -348,15 +355,12 @@ class Plate(AbstractTarget):
         """Membrane forces, ½ (12 D/h²) ε² per area with ε the mean of ½ (w_x² + w_y²), between edges that hold."""
         if self.size is None:
             return no_effect("an infinite plate has no edges that hold it")
-        ends, thickness = (four(self.edges)[:2], four(self.edges)[2:]), self.whole_thickness
-        lines = list(zip(ends, self.size, self._struck, strict=True))
-        longer, flat = ([rule(*line) for line in lines] for rule in (lengthening, mean_square))
-        strain = longer[0] * flat[1] + longer[1] * flat[0]
-        area, bending = math.prod(self.size), root(self.stiffness[0] * self.stiffness[2])
+        edges, thickness, area = four(self.edges), self.whole_thickness, math.prod(self.size)
+        strain = lengthening_of_plate(edges, self.size, self._struck)
+        bending, part = root(self.stiffness[0] * self.stiffness[2]), self.first_mode_share * self.surface_density * area
         membrane = 0.0 if thickness is None else 12.0 * bending / thickness**2 * area
-        part = self.first_mode_share * self.surface_density * area
-        loose = sliding(four(self.edges), self.size)
-        return stretching(impact, thickness, self.compliance, part, strain, membrane, loose)
+        loose = sliding(edges, self.size)
+        return stretching(impact, thickness, self.compliance, part, strain, membrane, loose, self.in_plane)
 
     def bending_strength(self, impact: Impact) -> Estimate:
         """6 M/h² on the far face over the strength: `bending_stress` in targets/bending_strength.py."""

@@ -37,6 +37,7 @@ def one_or(count: int, field: Field) -> Field:
 
 
 EDGES = one_or(4, choice(*SUPPORTS))
+IN_PLANE = replace(choice("fixed", "free"), required=False)
 EDGE_STIFFNESS = one_or(4, measure("stiffness_per_length", 0, 1e18))
 FOUNDATION = measure("stiffness_per_area", 0, 1e18)
 

@@ -113,7 +113,8 @@ class AbstractTarget(InUnits, ABC):
     kind: the name in scene files. FIELDS: the entries of the section [target], in order. free: the target is a free
     body. structural: it has edges, or may have; reflections and vibrations are then considered. first_mode_share:
     fraction of a structure's mass that moves in its first vibration, referred to the struck point. extent: the entry
-    that gives it edges.
+    that gives it edges. in_plane: whether its edges are held in its plane, "fixed" or "free"; None if it is
+    not known.
 
     material: None if only its other properties are given. radius: of the contacting surface, m, infinite if flat.
     velocity: when contact begins, m/s, positive in the impactor's direction.
@@ -124,6 +125,7 @@ class AbstractTarget(InUnits, ABC):
     structural: ClassVar[bool] = False
     first_mode_share: ClassVar[float] = 1.0
     extent: ClassVar[str] = "size"
+    in_plane: ClassVar[str | None] = None
 
     material: Material | None
     radius: float
@@ -194,6 +196,11 @@ class AbstractTarget(InUnits, ABC):
         return not self.free and (not endless(self.impedance) or self.compliance is not None)
 
     @property
+    def stretches(self) -> bool:
+        """Whether its membrane forces can be simulated."""
+        return False
+
+    @property
     def modes_missing(self) -> str:
         """Why the natural vibrations of a structure are unknown, as a clause; empty if they are known."""
         return f"the vibrations of a {self.kind} are not known"
@@ -206,6 +213,11 @@ class AbstractTarget(InUnits, ABC):
     def whole_thickness(self) -> float | None:
         """Thickness, m; None if it has none or it is unknown."""
         return getattr(self, "thickness", None)
+
+    def membrane(self, highest: float) -> tuple[Modes, Array]:
+        """The vibrations up to the frequency `highest` [rad/s] with the forms of their membrane energy, as of
+        `membrane_forms`."""
+        raise SimulationError(f"the membrane forces of a {self.kind} are not known")
 
     def strains(self, rows: Array) -> Array:
         """strain_x, strain_y and bending stress, Pa, (3, sensors, times), of the sensors with strain, NaN if unknown.

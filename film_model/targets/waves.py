@@ -7,7 +7,7 @@ from typing import Any
 
 from film_model.base.arrays import root
 from film_model.base.materials import Material
-from film_model.targets.target import Impact
+from film_model.targets.target import Estimate, Impact, no_effect
 
 HERTZ_PULSE = 4.6851
 """∫Ḟ² dt over F_m²/t_c of an elastic impact; π²/2 for a half-sine."""
@@ -75,3 +75,18 @@ def radiation_impedance(material: Material, duration: Any) -> Any:
     """The impedance that takes as much energy from an elastic impact of a contact time [s] as waves in a half-space,
     N s/m: Z with ∫F² dt/Z = :func:`radiation` times ∫Ḟ² dt. Floats or arrays."""
     return HERTZ_SQUARE / HERTZ_PULSE * duration**2.0 / radiation(material)
+
+
+def sheet_losses(impact: Impact, material: Material | None, thickness: float | None) -> Estimate:
+    """The energy that a plate radiates beside its bending waves."""
+    if thickness is None or material is None:
+        return Estimate("the thickness or the waves of a plate of layers, or of given stiffness, are not known")
+    if impact.duration >= bending_time(material, thickness):
+        return no_effect("the contact is slow enough for bending waves, which are part of the target's motion")
+    carried = 1.0 - impact.restitution**2 - impact.fraction if impact.by_impedance else 0.0
+    radiated = radiated_energy(material, impact) / impact.energy
+    size = min(1.0, max(BESIDE_BENDING * radiated, radiated - carried))
+    reason = "the plate is too thick for bending waves alone and too thin for a half-space"
+    if impact.duration < crossing_time(material, thickness):
+        reason = "contact ends before a wave returns from the far side, so that the plate radiates as a half-space"
+    return Estimate(reason, size, impact.tolerance, size)

@@ -155,7 +155,7 @@ static int begin_beside(model *m, double nu, double xi, double gamma) {
     const model_memory *now = &m->memory;
     double stop = -now->support / now->velocity;
     film_modal_start on_modes = {nu, now->load, modes->rest * now->force / now->length, now->value[MASS], now->time_scale,
-                                 now->state.damper, modes->tolerance, INFINITY, stop};
+                                 now->state.damper, modes->tolerance, INFINITY, stop, 0.0};
     film_start relaxing = {nu, gamma, now->load, stop, INFINITY, 0.0};
     return vibrates(m) ? modes_begin(m, &on_modes, xi) : relaxes(m) ? relaxing_begin(m, &relaxing, xi) : FILM_OK;
 }

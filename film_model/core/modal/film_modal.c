@@ -33,12 +33,14 @@ int film_modal_init(const film_structure *structure, const film_curve *curve, fi
     if (!(start->unit > 0.0 && start->unit < INFINITY) || !(start->tolerance > 0.0)) return FILM_BAD_NUMBER;
     if (!isfinite(start->stop)) return FILM_BAD_NUMBER;
     if (curve->compliance != 0.0 || (start->rest > 0.0 && curve->stage[0].damped)) return FILM_BAD_CURVE;
+    if (structure->carried > 0 && !(start->stretch >= 0.0 && start->stretch < INFINITY)) return FILM_BAD_NUMBER;
     s->contact.stop_velocity = NEVER;
     s->contact.moving_in = 0;
     s->load = s->contact.load;
     s->rest = start->rest;
     s->mass = start->mass;
     s->unit = start->unit;
+    s->stretch = structure->carried > 0 ? start->stretch : 0.0;
     s->tolerance = start->tolerance;
     s->x = s->contact.xi;
     s->v = time_unit_velocity(s, s->contact.nu);
@@ -47,7 +49,7 @@ int film_modal_init(const film_structure *structure, const film_curve *curve, fi
     s->moving_in = s->v > s->stop;
     s->flight_level = -1;
     s->event_at = INFINITY;
-    memset(waves, 0, 4 * sizeof(double) * (size_t)structure->modes);
+    memset(waves, 0, sizeof(double) * film_waves_size(structure));
     film_open_run(curve, &s->contact);
     return FILM_OK;
 }
@@ -335,11 +337,14 @@ void film_modal_sensed(const film_structure *structure, const film_modal *s, con
     int within = s->has_step && s->tau > 0.0;
     double force = within && s->kind == FILM_STEP_CONTACT ? film_force_at(s, s->tau / s->h) : s->last_force;
     double push = s->mass / (s->unit * s->unit) * force;
+    double stretched[FILM_MOST_CARRIED];
+    film_stretch_now(structure, s, waves, stretched);
     memset(sensed, 0, 3 * sizeof(double) * (size_t)sensors);
     for (int32_t i = 0; i < structure->modes; i++) {
         double w = begin[i], u = begin[structure->modes + i];
         if (within) film_moved_mode(structure, s, waves, i, s->tau, &w, &u);
         double a = structure->share[i] * push - structure->drag[i] * u - structure->square[i] * w;
+        if (i < structure->carried) a += stretched[i];
         for (int32_t k = 0; k < sensors; k++) {
             double weight = weights[(size_t)k * (size_t)structure->modes + (size_t)i];
             sensed[3 * k] += weight * w;

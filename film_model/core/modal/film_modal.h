@@ -21,6 +21,7 @@ enum {
     FILM_FLIGHTS = 10,   /* step sizes in one flight */
     FILM_BENDS = 6,      /* numbers of the interpolation of x - sum w_n within a step */
     FILM_MOST_MODES = 10000000,
+    FILM_MOST_CARRIED = 64, /* modes with membrane forces */
     FILM_MODES_OF_A_STEP = 200, /* a step takes as long as this many modes in it, 2 to 5 ns each */
     FILM_MOST_WORK = 120000000  /* largest `steps` of film_modal times (modes + FILM_MODES_OF_A_STEP) */
 };
@@ -31,7 +32,9 @@ typedef struct {
     int32_t made[FILM_LEVELS];          /* whether a level is tabulated */
     int32_t instructions;               /* FILM_PLAIN, FILM_AVX2 or FILM_AVX512; the bits are the same with all of them */
     double longest;                     /* step of level 0 */
+    int32_t carried, stresses;          /* membrane forces: of the first modes, by so many forms; 0: none */
     const double *frequency, *share;    /* ascending, >= 0; > 0 */
+    const double *forms;                /* [stresses][carried][carried], symmetric */
     double *square, *drag;              /* omega^2, 2 zeta omega */
     double *tables;
 } film_structure;
@@ -45,9 +48,10 @@ typedef struct {
     double tolerance;     /* of a step: error of its impulse over the momentum at the start */
     double limit;         /* time at which a contact is no longer followed */
     double stop;          /* velocity in delta_s/t_s at which FILM_IMPACTOR_STOPS is reported */
+    double stretch;       /* delta_s^2 in the unit of length of the forms of film_structure_stretch */
 } film_modal_start;
 
-/* The state; of waves[4 n] beside it one half holds w_n and w_n' at the beginning of the step, the other both at its end. */
+/* The state; of waves[] beside it one half holds w_n and w_n' at the beginning of the step, the other both at its end. */
 typedef struct {
     film_state contact;               /* branch, dent and direction; xi and nu (rate of xi) at the last event */
     double time, time_low;            /* when the step began, and what rounding drops */
@@ -55,6 +59,7 @@ typedef struct {
     double since;
     double shift, rate;               /* sums of w_n and w_n' then */
     double load, rest, mass, unit;    /* as in film_modal_start */
+    double stretch;                   /* as in film_modal_start */
     double stop;                      /* velocity of the impactor at which FILM_IMPACTOR_STOPS is reported */
     double speed, tolerance;          /* reference velocity for errors, in delta_s per unit of time; of a step */
     double last_force, last_slope;    /* of the force's cubic where the last step in contact ended */
@@ -126,7 +131,14 @@ FILM_API int film_check_modes(int32_t modes, const double *frequency, const doub
 FILM_API int film_structure_init(film_structure *structure, int32_t modes, const double *frequency, const double *share,
                                  const double *ratio, double longest, int32_t levels, double *memory);
 
-/* A state at xi <= 0 in front of the structure at rest, or at first touch. motion: 4 n doubles. */
+/* Membrane forces of the first `carried` modes, of the energy 1/2 sum_k (sum_ij forms_kij w_i w_j)^2, w in the caller's unit of length
+ * and the energy in that of 1/share times length^2 over the structure's unit of time squared. FILM_OK or FILM_BAD_NUMBER. */
+FILM_API int film_structure_stretch(film_structure *structure, int32_t carried, int32_t stresses, const double *forms);
+
+/* Number of doubles of waves[]. */
+FILM_API size_t film_waves_size(const film_structure *structure);
+
+/* A state at xi <= 0 in front of the structure at rest, or at first touch. waves: film_waves_size doubles. */
 FILM_API int film_modal_init(const film_structure *structure, const film_curve *curve, film_modal *state, double *waves,
                              const film_modal_start *start, double xi);
 
@@ -156,6 +168,9 @@ FILM_API double film_modal_work(const film_modal *state, double force);
 /* Energy of each mode now, over F_s delta_s. */
 FILM_API void film_modal_energies(const film_structure *structure, const film_modal *state, const double *waves, double *energies);
 
+/* Energy of the membrane forces now, over F_s delta_s. */
+FILM_API double film_modal_stretching(const film_structure *structure, const film_modal *state, const double *waves);
+
 /* Displacement, velocity and acceleration of `sensors` points of the structure now, 3 numbers each, in delta_s and the structure's
  * unit of time. weights: n numbers a point, the deflection of each mode there over that at the struck point. */
 FILM_API void film_modal_sensed(const film_structure *structure, const film_modal *state, const double *waves, int32_t sensors,
@@ -170,7 +185,7 @@ FILM_API int film_modal_impact(film_structure *structure, const film_curve *curv
 FILM_API int film_modal_go_on(film_structure *structure, const film_curve *curve, double limit, film_modal *state,
                               double *waves, film_modal_summary *summary, film_modal_record *record);
 
-/* count impacts, one after the other, on one structure. motion: 4 n doubles. */
+/* count impacts, one after the other, on one structure. waves: as film_modal_init. */
 FILM_API void film_modal_batch(film_structure *structure, const film_curve *curve, int64_t count, const film_modal_start *start,
                                double *waves, film_modal_summary *summary, int32_t *status);
 

@@ -220,7 +220,7 @@ static double static_wave(const film_structure *structure, const film_modal *s, 
 
 /* Whether the motion that is left at the beginning of the step is negligible. */
 static int is_resting(const film_structure *structure, const film_curve *curve, const film_modal *s, const double *waves) {
-    if (!(s->load > 0.0) || structure->rigid > 0 || fabs(s->last_force - s->load) > REST_FORCE * s->load) return 0;
+    if (!(s->load > 0.0) || structure->rigid > 0 || structure->carried > 0 || fabs(s->last_force - s->load) > REST_FORCE * s->load) return 0;
     double xi = film_indentation(curve, &s->contact.line, s->rest, s->x - s->shift), per = s->unit * s->unit / s->mass;
     film_at at = film_law_on(curve, &s->contact.line, xi, 0.0);
     double excess = at.force - s->load, speed = s->v * s->unit;

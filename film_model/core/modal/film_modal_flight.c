@@ -40,9 +40,11 @@ static double blur_of(const film_structure *structure, const double *amplitude, 
 static void start_flight(const film_structure *structure, film_modal *s, double *waves) {
     double shallow = pow(s->tolerance, GRAZING) * s->speed * s->unit, *amplitude = waves + ends_at(structure, s);
     const double *begin = waves + begins_at(structure, s);
+    double shared = film_shared_energy(structure, s, waves);
     s->reach = 0.0;
     for (int32_t i = structure->rigid; i < structure->modes; i++) {
-        amplitude[i] = hypot(begin[i], begin[structure->modes + i] / structure->frequency[i]);
+        double most = i < structure->carried ? sqrt(2.0 * shared * structure->share[i]) / structure->frequency[i] : 0.0;
+        amplitude[i] = fmax(most, hypot(begin[i], begin[structure->modes + i] / structure->frequency[i]));
         s->reach += amplitude[i];
     }
     for (int k = 0; k < FILM_FLIGHTS; k++) s->blur[k] = INFINITY;
@@ -78,7 +80,7 @@ static double earliest(const film_structure *structure, const film_modal *s, con
         v -= begin[n + i];
     }
     double away = a == 0.0 && v < 0.0 ? (x + reach - s->contact.xi_free) / -v : INFINITY, wait = meeting(s, x, v, a, reach);
-    for (; i < n && wait <= enough && structure->frequency[i] * enough < SLOW; i++) {
+    for (; i < n && structure->carried == 0 && wait <= enough && structure->frequency[i] * enough < SLOW; i++) {
         double omega = structure->frequency[i], amplitude = hypot(begin[i], begin[n + i] / omega);
         x -= begin[i];
         v -= begin[n + i];
@@ -140,17 +142,34 @@ static double find_touch(const film_modal *s, double blur) {
     return film_first_below(gap, DEGREE, 0.0);
 }
 
+/* The step of the flight again, of the duration h, with the membrane forces. */
+static int end_at(const film_structure *structure, const film_curve *curve, film_modal *s, double *waves, double h) {
+    film_table table = film_table_at(structure, structure->levels);
+    film_equations e;
+    double error;
+    film_loops_of(structure)->fill(structure, &table, h);
+    s->steps += JUMP_WORK;
+    int status = film_try_step(structure, curve, s, waves, &table, h, &e, &error);
+    return status == FILM_OK ? film_take_step(structure, s, waves, &table, &e) : status;
+}
+
 /* Ends the flight at the touch near h, by Newton's method on the sum of the modes. */
-static void land(const film_structure *structure, film_modal *s, double *waves, double h) {
+static int land(const film_structure *structure, const film_curve *curve, film_modal *s, double *waves, double h) {
     for (int k = 0; k < TOUCH_STEPS; k++) {
-        jump(s, h);
-        film_end_jump(structure, s, waves);
+        if (structure->carried > 0 && h > 0.0) {
+            int status = end_at(structure, curve, s, waves, h);
+            if (status < 0) return status;
+        } else {
+            jump(s, h);
+            film_end_jump(structure, s, waves);
+        }
         if (s->end_x - s->end_shift > s->contact.xi_free && s->contact.damper > 0.0) break;
         double rate = s->end_v - s->end_rate, more = (s->contact.xi_free - (s->end_x - s->end_shift)) / rate;
         if (!(rate > 0.0) || fabs(more) <= LANDING * s->unit || !(h + more >= 0.0) || fabs(more) > 0.1 * h) break;
         h += more;
     }
     s->ends = ENDS_EDGE;
+    return FILM_OK;
 }
 
 static double worthwhile_jump(const film_structure *structure, const film_modal *s) {
@@ -186,15 +205,16 @@ int film_plan_flight(film_structure *structure, const film_curve *curve, film_mo
     double wait = earliest(structure, s, waves, s->load, in_dent ? 0.0 : worthwhile);
     s->ends = ENDS_NODE;
     s->event_at = INFINITY;
-    if (wait > worthwhile) {
+    if (wait > worthwhile && structure->carried == 0) {
         jump(s, wait);
         return FILM_OK;
     }
     s->kind = FILM_STEP_FLIGHT;
-    for (; k >= 0; k--) {
+    for (; s->flight_level - k < structure->levels; k--) { /* k < 0: as short as the membrane forces need */
         if (k > 0 && !(s->blur[k] < INFINITY)) continue;
         film_table table = film_level_table(structure, s->flight_level - k);
         int status = film_try_step(structure, curve, s, waves, &table, ldexp(shortest, k), &e, &error);
+        if (structure->carried > 0 && (status == FILM_TOO_MANY || error > s->tolerance)) continue;
         if (status == FILM_OK) status = film_take_step(structure, s, waves, &table, &e);
         if (status < 0) return status;
         if (in_dent) {
@@ -203,9 +223,9 @@ int film_plan_flight(film_structure *structure, const film_curve *curve, film_mo
             break;
         }
         at = find_touch(s, k > 0 ? s->blur[k] : 0.0);
-        if (at > 1.0) break;
+        if (at > 1.0 || k <= 0) break;
     }
-    s->flight_size = k < FILM_FLIGHTS - 1 && k >= 0 ? k + 1 : k < 0 ? 0 : k;
-    if (at <= 1.0) land(structure, s, waves, at * s->h);
-    return FILM_OK;
+    if (s->flight_level - k >= structure->levels) return FILM_TOO_MANY;
+    s->flight_size = k < FILM_FLIGHTS - 1 && at > 1.0 ? k + 1 : k < 0 ? 0 : k;
+    return at <= 1.0 ? land(structure, curve, s, waves, at * s->h) : FILM_OK;
 }

@@ -27,9 +27,6 @@ static const double NODE_GAINED[NODES][NODES] = {
     {0.1774825722545226, 0.31344511474186837, 0.35267675751627187, 0.08696371128436346},
 };
 
-/* The third Legendre coefficient of the cubic that is 1 at node j. */
-static const double LEGENDRE_3[NODES] = {-0.37102700340194733, 0.939772470377753, -0.939772470377753, 0.37102700340194733};
-
 /* Bernstein coefficients 2 .. 7 of the polynomial of degree 7 that is 0 at 0 with derivative 0, from its values at the nodes
  * and at 1 and its derivative at 1. */
 static const double BENT[BENDS][BENDS] = {
@@ -194,7 +191,7 @@ static void set_equations(const film_structure *structure, const film_modal *s, 
 }
 
 /* Newton's method from the forces in s; FILM_TOO_MANY: it does not converge. */
-static int solve_forces(const film_curve *curve, film_modal *s, const film_equations *e) {
+int film_solve_forces(const film_curve *curve, film_modal *s, const film_equations *e) {
     double a[NODES][NODES + 1], x[NODES], before = 0.0;
     for (int k = 0; k < NEWTON_STEPS; k++) {
         double most = 1e-3 * s->peak, step = 0.0;
@@ -224,19 +221,19 @@ static int solve_forces(const film_curve *curve, film_modal *s, const film_equat
 
 /* The forces of a step of h from the current point, whose table is given; in flight they are 0. *error: estimate of the error
  * of the impulse over the impactor's momentum at the start. FILM_TOO_MANY: no solution. */
-int film_try_step(const film_structure *structure, const film_curve *curve, film_modal *s, const double *waves,
+int film_try_step(const film_structure *structure, const film_curve *curve, film_modal *s, double *waves,
                   const film_table *table, double h, film_equations *e, double *error) {
     double third = 0.0;
     set_equations(structure, s, waves, table, h, e);
     s->h = h;
     *error = 0.0;
-    if (s->kind != FILM_STEP_CONTACT) {
-        memset(s->force, 0, sizeof s->force);
-        return FILM_OK;
-    }
-    int status = solve_forces(curve, s, e);
+    if (s->kind != FILM_STEP_CONTACT) memset(s->force, 0, sizeof s->force);
+    int status = FILM_OK;
+    if (structure->carried > 0) status = film_stretch_step(structure, curve, s, waves, table, e, error);
+    else if (s->kind == FILM_STEP_CONTACT) status = film_solve_forces(curve, s, e);
+    if (status < 0 || s->kind != FILM_STEP_CONTACT) return status;
     for (int j = 0; j < NODES; j++) third += LEGENDRE_3[j] * s->force[j];
-    *error = fabs(third) * h / (s->speed * s->unit * s->unit);
+    *error += fabs(third) * h / (s->speed * s->unit * s->unit);
     return status;
 }
 
@@ -244,6 +241,7 @@ int film_try_step(const film_structure *structure, const film_curve *curve, film
 int film_take_step(const film_structure *structure, film_modal *s, double *waves, const film_table *table, const film_equations *e) {
     double target[BENDS], h = s->h;
     end_modes(structure, table, s, waves);
+    if (structure->carried > 0) film_stretch_end(structure, s, waves, table);
     film_ball_at(s, h, &s->end_x, &s->end_v);
     double depth = s->x - s->shift, slope = (s->v - s->rate) * h;
     for (int i = 0; i < NODES; i++) {

@@ -21,7 +21,8 @@ static void record_segment(const film_structure *structure, const film_modal *s,
     film_modal_segment *to = &record->segments[record->segment_count++];
     memset(to, 0, sizeof *to);
     to->time = s->time;
-    to->h = kind == FILM_STEP_CONTACT ? s->h : INFINITY;
+    int whole = kind == FILM_STEP_JUMP || (kind == FILM_STEP_FLIGHT && structure->carried == 0); /* of a flight */
+    to->h = kind == FILM_STEP_REST || whole ? INFINITY : s->h;
     to->x = s->x;
     to->v = s->v;
     to->depth = s->x - s->shift;
@@ -33,7 +34,7 @@ static void record_segment(const film_structure *structure, const film_modal *s,
     to->line.branch = s->contact.branch;
     to->flight = -1;
     if (kind == FILM_STEP_REST) return;
-    if (kind == FILM_STEP_CONTACT) {
+    if (!whole) {
         memcpy(to->force, s->force, sizeof to->force);
         memcpy(to->bend, s->bend, sizeof to->bend);
         return;
@@ -87,17 +88,17 @@ int film_modal_go_on(film_structure *structure, const film_curve *curve, double 
         if (!s->has_step) {
             status = film_plan_step(structure, curve, s, waves);
             if (status < 0) break;
-            if (record != NULL && !in_flight && s->h > 0.0) record_segment(structure, s, waves, s->kind, record);
+            if (record != NULL && (!in_flight || structure->carried > 0) && s->h > 0.0) record_segment(structure, s, waves, s->kind, record);
         }
         double dt = fmax(until - now_of(s), 0.0);
-        int fallen = in_flight && s->load > 0.0 && summary->contacts > 0 && film_leaves(structure, s, waves);
+        int fallen = in_flight && (s->load > 0.0 || structure->carried > 0) && summary->contacts > 0 && film_leaves(structure, s, waves);
         if (s->h == INFINITY || fallen) status = FILM_ENDLESS; /* out of reach, or at rest; a fall back is another impact */
         else status = film_advance(structure, curve, s, waves, &dt);
         if (status < 0 || status == FILM_ENDLESS) break;
         if (status == FILM_EVENT) {
             s->steps += EVENT_WORK;
             note_event(structure, curve, s, waves, summary, record);
-            if (record != NULL && s->contact.event == FILM_CONTACT_ENDS) record_segment(structure, s, waves, FILM_STEP_FLIGHT, record);
+            if (record != NULL && s->contact.event == FILM_CONTACT_ENDS && structure->carried == 0) record_segment(structure, s, waves, FILM_STEP_FLIGHT, record);
             in_flight = s->contact.branch == FILM_FREE;
             until = in_flight ? patience(structure, s) : limit;
             status = FILM_OK;
@@ -106,6 +107,8 @@ int film_modal_go_on(film_structure *structure, const film_curve *curve, double 
         }
     }
     if (status == FILM_OK && !in_flight) film_stop_step(structure, curve, s, waves); /* the time limit falls within a step */
+    if (record != NULL && status >= 0 && in_flight && structure->carried > 0) /* what follows, without membrane forces */
+        record_segment(structure, s, waves, FILM_STEP_JUMP, record);
     double force = in_flight ? 0.0 : s->last_force;
     summary->core.maximum_force = fmax(summary->core.maximum_force, fmax(s->peak, force));
     summary->core.work = film_modal_work(s, force);

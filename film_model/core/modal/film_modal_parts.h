@@ -3,6 +3,7 @@
  *     film_modal_table.c     the modes' responses to powers of time; tables of a step size
  *     film_modal_loops.c     the loops over all modes, for several instruction sets
  *     film_modal_force.c     the force of a step, by collocation at its nodes
+ *     film_modal_stretch.c   membrane forces
  *     film_modal_root.c      where a polynomial first falls below 0
  *     film_modal_contact.c   steps in contact: their size, the events in them
  *     film_modal_flight.c    flights between contacts
@@ -24,6 +25,9 @@ static const double LAGRANGE[NODES][NODES] = {
     {0.4007615203116504, -7.417070421462639, 24.998125859219122, -18.79544940755506},
     {-0.11391719628198993, 2.155927103645261, -7.93576184994495, 7.420540068038946},
 };
+
+/* The third Legendre coefficient of the cubic that is 1 at node j. */
+static const double LEGENDRE_3[NODES] = {-0.37102700340194733, 0.939772470377753, -0.939772470377753, 0.37102700340194733};
 
 static const double FACTORIAL[NODES] = {1.0, 1.0, 2.0, 6.0};
 
@@ -86,12 +90,25 @@ double film_indentation(const film_curve *curve, const film_line *line, double r
 typedef struct {
     double depth[NODES], rate[NODES], moved[NODES][NODES], gained[NODES][NODES];
 } film_equations;
-int film_try_step(const film_structure *structure, const film_curve *curve, film_modal *s, const double *waves,
+int film_solve_forces(const film_curve *curve, film_modal *s, const film_equations *e);
+int film_try_step(const film_structure *structure, const film_curve *curve, film_modal *s, double *waves,
                   const film_table *table, double h, film_equations *e, double *error);
 int film_take_step(const film_structure *structure, film_modal *s, double *waves, const film_table *table, const film_equations *e);
 void film_depth_polynomial(const film_modal *s, double bernstein[DEGREE + 1]);
 void film_ball_at(const film_modal *s, double tau, double *x, double *v);
 double film_force_at(const film_modal *s, double theta);
+
+/* film_modal_stretch.c: the forces of a step, contact's and membrane's, which depend on each other: as film_try_step, whose error
+ * grows by that of the membrane forces. Then what they do to the modes at the end of the step, and t after its beginning. */
+int film_stretch_step(const film_structure *structure, const film_curve *curve, film_modal *s, double *waves,
+                      const film_table *table, film_equations *e, double *error);
+void film_stretch_end(const film_structure *structure, film_modal *s, double *waves, const film_table *table);
+/* The accelerations by the membrane forces now; returns their energy, in the unit of film_shared_energy: that of the forces and
+ * of the modes that have them, at the beginning of the step. */
+double film_stretch_now(const film_structure *structure, const film_modal *s, const double *waves, double accelerations[]);
+double film_shared_energy(const film_structure *structure, const film_modal *s, const double *waves);
+void film_stretched_mode(const film_structure *structure, const double *waves, int32_t n, const double y[RESPONSES], double *w,
+                         double *u);
 
 /* film_modal_contact.c */
 int film_plan_contact(film_structure *structure, const film_curve *curve, film_modal *s, double *waves);

@@ -81,10 +81,12 @@ void film_moved_mode(const film_structure *structure, const film_modal *s, const
     *w = w0;
     *u = u0;
     if (s->kind == FILM_STEP_REST) return;
-    if (s->kind == FILM_STEP_CONTACT) film_responses(square, drag, t, y);
+    int stretched = n < structure->carried && s->kind != FILM_STEP_JUMP;
+    if (s->kind == FILM_STEP_CONTACT || stretched) film_responses(square, drag, t, y);
     else impulse(square, drag, t, &y[0], &y[1]);
     *w = w0 * (y[0] + drag * y[1]) + u0 * y[1];
     *u = u0 * y[0] - square * w0 * y[1];
+    if (stretched) film_stretched_mode(structure, waves, n, y, w, u);
     if (s->kind != FILM_STEP_CONTACT) return;
     double p[NODES];
     film_force_cubic(s, p);

@@ -140,8 +140,8 @@ out. The ranks were chosen after the coverage had been seen: no blind test.
 ## Oblique impacts
 
 Alumina balls on glass (dataset `oblique_impacts`; with glass on glass and Chung & Ooi's tests [there](oblique.md)):
-{close} of {angles} tangential restitutions are met within {near:g}, spins within {spin} rad/s (of {fastest}), rebound angles
-within {turn}°.
+{close} of {angles} tangential restitutions are met within {near:g}, spins within {spin} rad/s (of {fastest}),
+rebound angles within {turn}°.
 
 {oblique}
 

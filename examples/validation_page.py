@@ -21,7 +21,7 @@ import numpy as np
 import film_datasets as fd
 import film_model as fm
 from examples.finite_elements.against_laws import COMPARED, FASTEST, Runs, errors, runs_of
-from examples.measured_residuals import coverage, coverage_of_new_sources, slow_predictions
+from examples.model_intervals import coverage, coverage_of_new_sources, slow_predictions
 from film_datasets.evidence import evidence_rows
 from film_model.laws import LAWS
 from film_model.plot.validation import RESTITUTION as REBOUND

@@ -9,7 +9,7 @@ import pytest
 
 import film_datasets as fd
 import film_model as fm
-from examples.measured_residuals import central, coverage, coverage_of_new_sources, predictions, slow_predictions
+from examples.model_intervals import central, coverage, coverage_of_new_sources, predictions, slow_predictions
 from film_datasets.evidence import evidence_rows
 from film_model.cli.main import main
 from film_model.problem.model_intervals import (

@@ -61,7 +61,6 @@ surfaces together.
 
 ![One impact under every law](laws.png)
 
-{families()}
 | law | | source |
 |---|---|---|
 {rows}

@@ -58,8 +58,8 @@ See also [how to simulate it](how_to/oblique_impact.md) and [the method](method.
 ![Rebound of the contact point, and tangential restitution over the angle](oblique.png)
 
 Left: sliding velocity v of the contact point after the impact over that before, ψ = v/(κ µ V_n), for χ = {chi:.4f}.
-From ψ₁ = {end:.3f} = 4χ − 1 on the contact slides throughout; below, what it has stored along the surface throws the
-contact point back: ψ₂ < 0. Right: tangential restitution of the same impacts.
+From ψ₁ = {end:.3f} = 4χ − 1 on the contact slides throughout; below, what it has stored along the surface throws it
+back: ψ₂ < 0. Right: tangential restitution of these impacts.
 
 ## Alumina on glass
 
@@ -78,28 +78,27 @@ Tangential restitution:
 | Hooke | both springs are linear, K_t = K_n/κ |
 | rigid | the contact slides until it rolls |
 
-At small angles the rim of the contact slips on the way out although its middle sticks, and takes tangential velocity.
-A spring with one slider does not slip then: `mindlin` gives the whole velocity back.
+At small angles the rim of the contact slips on the way out although its middle sticks, and takes tangential velocity,
+which a spring with one slider, `mindlin`, gives back.
 
 Spin after the impact (opposite to the sliding before):
 
 {spin}
 
-Angle of the path of the centre to the normal after the impact:
+Angle of the centre's path to the normal after the impact:
 
 {angle}
 
-Difference of the models from the theory in ψ₂, over 0 < ψ₁ ≤ 6 and for alike bodies with ν = 0.3 (χ = {steel:.4f}):
+Difference of the models to the theory in ψ₂, for 0 < ψ₁ ≤ 6 and alike bodies with ν = 0.3 (χ = {steel:.4f}):
 
 {models}
 
 ## Glass on glass
 
 24 impacts of balls of 3.18 mm on each other at 0.6 to 1.3 m/s, by the method of Foerster, Louge, Chang & Allia (1994);
-14 of them do not slide throughout. The source is a worksheet of Louge's laboratory at Cornell, as transcribed by
-svenviktorjonsson/rigid-body-collisions (`examples/measurements/`). The laboratory's chart of 1999, by the same
-transcription, has µ = 0.092, e = 0.97 and β₀ = 0.44 of Walton's model, −β₀ ψ₁ or sliding. film-model takes µ and
-ν = 0.25; Walton's β₀ is fitted to such impacts.
+14 of them do not slide throughout. Source: a worksheet of Louge's laboratory at Cornell, transcribed with its chart of
+1999 by svenviktorjonsson/rigid-body-collisions (`examples/measurements/`). The chart has µ = 0.092, e = 0.97 and
+β₀ = 0.44 of Walton's model, −β₀ ψ₁ or sliding. film-model takes µ and ν = 0.25; Walton's β₀ is fitted to such impacts.
 
 {glass}
 
@@ -117,8 +116,7 @@ Elastic ball, ν = 0.3, µ = 0.3, 5 m/s (Wu; test 5 of Chung & Ooi 2011): tangen
 ## Test cases of Chung & Ooi in closed form
 
 Tests 3 to 8 (2011, *Granular Matter* 13:643) in the [reference impacts](reference_impacts.md), where a formula is
-exact: test 3 gives the restitution, and contacts that slide throughout have v₂/v₁ = 1 − 4χ/ψ₁. In test 7 the contact
-points move alike, and nothing slides.
+exact: test 3 gives the restitution; contacts that slide throughout have v₂/v₁ = 1 − 4χ/ψ₁. In test 7 nothing slides.
 
 {cases}
 """

@@ -56,11 +56,11 @@ def laws_page() -> str:
     return f"""# Contact laws
 
 `law = "…"` in a scene's `[contact]` names the law, beside its parameters. δ: indentation, F: contact force,
-K = (4/3) E √R: Hertz's stiffness.
+E, R: effective modulus and radius, K = (4/3) E √R: Hertz's stiffness; w of adhesive laws: `work_of_adhesion` of both
+surfaces together.
 
 ![One impact under every law](laws.png)
 
-{families()}
 | law | | source |
 |---|---|---|
 {rows}
@@ -122,7 +122,7 @@ or `"auto"`, except `fully_plastic`, which is part of the law.
 
 {_by_target("boundary_reflections")}## Judged
 
-Not simulated, and estimated to first order: the order of magnitude.
+Estimated to first order: the order of magnitude.
 
 | effect | | indicator | source |
 |---|---|---|---|

@@ -75,10 +75,10 @@ def _by_target(case: Case, judge: Callable[[Impact], Estimate], rule: Rule) -> E
 def small_slope(case: Case, rule: Rule) -> Effect:
     """Hertz's half-spaces and paraboloids instead of balls.
 
-    By [finite elements](finite_elements.md) an elastic ball presses harder than Hertz's; a rigid ball on an elastic
-    half-space by 6 % at most, and Sneddon's rigid sphere less by a²/(10 R²). Shares of the compliance weight the
-    bodies. The change is that of the indentation at the energy of the impact; force and contact time change less. From
-    an indentation of one radius no law is valid.
+    By [finite elements](finite_elements.md#elastic-contacts-of-large-slope) an elastic ball presses harder than
+    Hertz's; Sneddon's rigid sphere less by a²/(10 R²). Shares of the compliance weight the bodies. The change is that
+    of the indentation at the energy of the impact; force and contact time change less. From an indentation of one
+    radius no law is valid.
     """
     scene = case.scene
     modulus, radius = scene.effective_modulus, scene.effective_radius

@@ -48,7 +48,7 @@ def adhesion(case: Case, rule: Rule) -> Effect:
 
     Γ is work_of_adhesion in [contact], or 2 √(γ₁ γ₂) from the surface energies of the materials: an upper bound for
     clean and smooth surfaces. A dent of the radius R_p takes (R_p/R)^{4/3} times the work, R_p of Hertz's contact with
-    the largest force over the indentation given back. Laws jkr, dmt and thornton-ning simulate adhesion.
+    the largest force over the indentation given back.
     """
     scene = case.scene
     modulus, work = scene.effective_modulus, scene.work_of_adhesion
@@ -86,9 +86,8 @@ def material_damping(case: Case, rule: Rule) -> Effect:
         e = 1 − 1.2048 tan δ    of a modulus t^−β, tan δ = tan(πβ/2) (Lee & Radok, Ting): to 1 % up to tan δ = 0.12
 
     Loss factors are averaged with the compliances as weights; a missing one is 0, or matters if the body is softer than
-    5 GPa. Law "auto" takes law tsuji with this e if the summary changes by more than the tolerance; where the impact
-    yields, if that leaves less than elastoplastic. No law both yields and damps, or damps on a static stiffness: a
-    warning says what is left out.
+    5 GPa. Law "auto" takes law tsuji with this e if it matters; where the impact yields, if that leaves less than
+    elastoplastic. No law both yields and damps, or damps on a static stiffness: a warning says what is left out.
     """
     if case.problem.law.damped:
         return rule.absent(f"it is in the law {case.problem.law.name}")

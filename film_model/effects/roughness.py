@@ -16,7 +16,7 @@ def roughness(case: Case, rule: Rule) -> Effect:
     The change of the indentation is α = σ R/a² = σ/δ (Greenwood & Tripp 1967), σ the `roughness` in [contact], rms
     height of both surfaces, δ Hertz's largest indentation: within a factor of two of their model for α from 0.02 to
     0.75 and μ = (8/3) η σ √(2 R β) from 1 to 17, with η asperities per area of the tip radius β; the force changes 0.3
-    to 1 times as much. With yield this is an order of magnitude only.
+    to 1 times as much.
     """
     height = case.scene.contact.roughness
     if height is None:

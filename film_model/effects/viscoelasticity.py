@@ -3,8 +3,8 @@
     F = (4/3) √R ∫ E(t − s) d(δ^{3/2})                        on the way in (Lee & Radok 1960)
     the same up to t₁(t),  ∫ E(t − s) dδ from t₁ to t = 0     on the way out, until t₁ = 0 (Ting 1966)
 
-It is exact for quasi-static contact of a sphere, constant Poisson's ratios, one approach and one parting, and leaves no
-dent. Refused: a contact that closes again before it ends, or begins while more than 1 % of its depth has still to
+Exact for quasi-static contact of a sphere, constant Poisson's ratios, one approach and one parting; no dent is left.
+Refused: a contact that closes again before it ends, or begins while more than 1 % of its depth has still to
 recover. Only law hertz relaxes, without vibrations.
 """
 

@@ -17,7 +17,7 @@ class Dmt(AdhesiveLaw):
 
         F = K δ^{3/2} − 2π w R,  K = (4/3) E √R
 
-    Contact begins and ends at δ = 0. work_of_adhesion w, J/m², of both surfaces together.
+    Contact begins and ends at δ = 0.
     """
 
     name: ClassVar[str] = "dmt"

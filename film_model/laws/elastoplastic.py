@@ -180,35 +180,35 @@ def scaled_strain(yield_strain: Any, poissons_ratio: Any) -> Any:
 
 @dataclass(frozen=True)
 class Elastoplastic(AbstractLaw):
-    """With w = δ/δ_Y, δ_Y = (π C S_y/2E)² R, C = 1.295 e^{0.368 (ν + 0.3)}, and f over the force there:
+    """Under a rigid ball, f over the force at first yield:
 
-    f = w^{3/2} up to first yield, w = 1. Beyond, under a rigid ball, with z = (w − 1)/1.762,
-    α = a/a_Y = √(ω w), ω = 1 + 0.09639 e^{−1.505 n} ln(1 + z²), f = α² P,
-    P = (1 + M [1 − (1 + (√w − 1)/(0.5068 M))^{−0.5068}]) (1 + 0.5642 (α − 1)²/α)^{0.7185 n},
-    M = 2.379/(1 + (0.5506 a/R)^{3/2}). Unloading: f_m/(w_m − w_f) = α k, k = 1 + 0.2631 e^{−0.603 n} g, with the
-    exponent 1.5 − 0.1641 g, g = 1 − (1 + z²)^{−0.2434}: restitution leaves 1 as (w − 1)².
+        w = δ/δ_Y,  δ_Y = (π C S_y/2E)² R,  C = 1.295 e^{0.368 (ν + 0.3)},  z = (w − 1)/1.762
+        f = w^{3/2}                                                                       w ≤ 1
+        f = α² P,  α = a/a_Y = √(ω w),  ω = 1 + 0.09639 e^{−1.505 n} ln(1 + z²)           beyond
+        P = (1 + M [1 − (1 + (√w − 1)/(0.5068 M))^{−0.5068}]) (1 + 0.5642 (α − 1)²/α)^{0.7185 n}
+        M = 2.379/(1 + (0.5506 a/R)^{3/2})
+        f_m/(w_m − w_f) = α k,  k = 1 + 0.2631 e^{−0.603 n} g                             unloading, exponent
+        g = 1 − (1 + z²)^{−0.2434}                                                        1.5 − 0.1641 g
 
-    C is the geometric mean of those for ν and 0.3, because ν matters at first yield only: for ν = 0.2 or 0.45 the law
-    leaves Hertz's at 4 % above or 5 % below the pressure of first yield, 1.295 e^{0.736 ν} S_y.
+    Restitution leaves 1 as (w − 1)². C is the geometric mean of those for ν and 0.3, because ν matters at first yield
+    only: for ν = 0.2 or 0.45 the law leaves Hertz's at 4 % above or 5 % below the pressure of first yield,
+    1.295 e^{0.736 ν} S_y.
 
     elastic_share h: part of the compliance of a second body that stays elastic; 0: rigid. As if pressed by a rigid ball
-    of the radius R/(1 − h c₁ P/α) at a w_s of its own, where α_s, ω, P, g and k are taken,
+    of the radius R/(1 − h c₁ P/α) at a w_s of its own, where α_s, ω, P, g and k are taken:
 
-    α = (1 − h) α_s + h c₁ P,  w = w_s (1 − h) α/α_s + h c₂ α P,  f = α² P,  f_m/(w_m − w_f) = α k/(1 − h + h c₂ k),
+        w = w_s (1 − h) α/α_s + h c₂ α P,  α = (1 − h) α_s + h c₁ P,  so α² + h P (c₂ ω − c₁) α = ω w
+        c₁ = 1 − 0.383 g,  c₂ = 1 − 0.151 g              from Hertz's to a uniform pressure (Johnson 1985)
+        f = α² P,  f_m/(w_m − w_f) = α k/(1 − h + h c₂ k)
+        h = φ/(1 + m) ≤ 0.8,  φ = 1 − ((2.692 − s)/1.692)⁴            in a scene
 
-    of which α² + h P (c₂ ω − c₁) α = ω w; c₁ = 1 − 0.383 g and c₂ = 1 − 0.151 g go from Hertz's to a uniform pressure
-    (Johnson 1985). w_s is one step of Newton's method from w. In a scene h = φ/(1 + m) ≤ 0.8, m = E/(1 − ν²) of the
-    body that yields later over that of the other, φ = 1 − ((2.692 − s)/1.692)⁴, s the ratio of flow stresses at a
-    plastic strain of 0.005: equal bodies yield alike (φ = 0); from s = 2.692 on the harder one stays elastic.
+    w_s is one step of Newton's method from w. m: E/(1 − ν²) of the body that yields later over that of the other. s:
+    ratio of flow stresses at a plastic strain of 0.005. Equal bodies yield alike (φ = 0); from s = 2.692 on the harder
+    one stays elastic.
 
-    Fitted to 142 finite-element impacts of a rigid ball, without friction: von Mises, flow stress S_y (1 + E
-    ε_p/S_y)^n. Largest differences up to 1000 times the velocity of first yield, of these and 66 others: restitution
-    2 % (median 0.5 %), force 2 %, indentation 1.1 %, contact radius 2.2 %, dent 2.5 %; beyond, restitution 6 % (median
-    1.6 %). Against 77 impacts of two bodies (51 of them fitted): restitution 2.4 % (median 0.5 %), force 4 % (median
-    1.2 %), which a finer mesh changes by up to 2.3 and 3.2 %.
-
-    A later impact on the same dent follows the unloading curve up to the deepest turn, without loss (finite elements:
-    restitution 1 within 0.33 %), then the loading curve.
+    Fitted to 142 finite-element impacts of a rigid ball and 51 of two bodies, without friction: von Mises, flow stress
+    S_y (1 + E ε_p/S_y)^n. Largest errors, of impacts not fitted too: 2.5 % up to 1000 V_Y, 6 % beyond, 4 % of two
+    bodies (docs/finite_elements.md).
 
     strain_hardening_exponent n: of the material, default 0. Of two bodies that yield, strength, ν and n are those of
     the softer. Two equal bodies have half of a/R in M.

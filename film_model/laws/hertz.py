@@ -15,11 +15,11 @@ def hertz_stiffness(effective_modulus: float, radius: float) -> float:
 
 @dataclass(frozen=True)
 class Hertz(AbstractLaw):
-    """Hertz 1882. Reversible.
+    """Hertz 1882.
 
         F = K δ^{3/2},  K = (4/3) E √R
 
-    effective_modulus E, Pa; effective radius R, m.
+    Reversible.
     """
 
     name: ClassVar[str] = "hertz"

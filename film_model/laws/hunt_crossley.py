@@ -29,8 +29,7 @@ class HuntCrossley(AbstractLaw):
         F = K δ^{3/2} (1 + χ δ̇),  K = (4/3) E √R
         χ = λ/V_0,  λ (1 + e) = ln((1 + λ)/(1 − λ e))                         exact for any exponent of δ
 
-    Force and indentation end together, without tension. hysteresis_damping χ, s/m (other notations: K χ), or
-    restitution e at the scene's velocity V_0.
+    Force and indentation end together, without tension. e holds at the scene's velocity V_0. Other notations give K χ.
     """
 
     name: ClassVar[str] = "hunt-crossley"

@@ -81,9 +81,9 @@ class JacksonGreen(AbstractLaw):
         H_G/S_y = 2.84 [1 − exp(−0.82 (a/R)^{−0.7})],  a/R = (π C e_y/2) √(w (w/1.9)^B)
         w_f = 1.02 w_m [1 − ((w_m + 5.9)/6.9)^{−0.54}]                                     Hertz's curve, w_m > 1
 
-    Beyond w_m = 973, where the last would recover too little, 1 − w_f/w_m falls as w_m^{−0.54}. poissons_ratio ν of
-    the body that yields. constants "printed": the force jumps at 1.9 by +0.5 % for ν = 0.3, −2.5 % for 0.45.
-    "continuous" (our own variant): a correction of that jump decays as exp((1.9 − w)/1.9).
+    Beyond w_m = 973, where the last would recover too little, 1 − w_f/w_m falls as w_m^{−0.54}. ν: of the body that
+    yields. constants "printed": the force jumps at 1.9 by +0.5 % for ν = 0.3, −2.5 % for 0.45. "continuous" (our own
+    variant): a correction of that jump decays as exp((1.9 − w)/1.9).
     """
 
     name: ClassVar[str] = "jackson-green"

@@ -64,8 +64,7 @@ class Jkr(AdhesiveLaw):
         δ_s = a_c²/(3R),  a_c³ = 9π w R²/(8E)
         e² = 1 − (V_s/V)²,  m V_s²/2 = 7.09 (w⁵R⁴/E²)^{1/3}                   Thornton & Ning 1998
 
-    Below V_s the ball sticks, and swings without end unless the target moves. work_of_adhesion w, J/m², of both
-    surfaces together.
+    Below V_s the ball sticks, and swings without end unless the target moves.
     """
 
     name: ClassVar[str] = "jkr"

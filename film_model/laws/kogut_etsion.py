@@ -33,9 +33,9 @@ class KogutEtsion(AbstractLaw):
         f = (3/K_ν) w            beyond, the pressure H
         w_f = w_m (1 − w_m^{−0.28})(1 − w_m^{−0.69}),  q = 1.5 w_m^{−0.0331}        unloading
 
-    hardness H, Pa; poissons_ratio ν of the body that yields. constants "printed": the force jumps by +3.0 % at 1,
-    +1.7 % at 6 and (ν = 0.3) +7.9 % at 110, and just above yield more energy returns than was stored. "continuous"
-    (our own variant): 1 and 6^{0.162} for 1.03 and 1.40, and a last stage without a jump.
+    ν: of the body that yields. constants "printed": the force jumps by +3.0 % at 1, +1.7 % at 6 and (ν = 0.3) +7.9 % at
+    110, and just above yield more energy returns than was stored. "continuous" (our own variant): 1 and 6^{0.162} for
+    1.03 and 1.40, and a last stage without a jump.
     """
 
     name: ClassVar[str] = "kogut-etsion"

@@ -18,7 +18,7 @@ class KuwabaraKono(AbstractLaw):
         e = 1 − 1.15345 s² + …,  s² = (3/2) A (K/m)^{2/5} V^{1/5}             on a fixed target
         e ≈ (1 + 0.501086 s)/(1 + 0.501086 s + 1.15345 s² + 0.577978 s³ + 0.532178 s⁴)
 
-    The last is Müller & Pöschel's (2011, Phys. Rev. E 84:021302). dissipation_time A, s, with A δ̇ ≪ δ.
+    The last is Müller & Pöschel's (2011, Phys. Rev. E 84:021302). Valid for A δ̇ ≪ δ.
     """
 
     name: ClassVar[str] = "kuwabara-kono"

@@ -26,8 +26,7 @@ class LinearDashpot(AbstractLaw):
         F = k δ + c δ̇  until F = 0,  ζ = c/(2√(m k))
         e = exp(−ζ/√(1 − ζ²) atan2(2ζ√(1 − ζ²), 2ζ² − 1)),  continued for ζ ≥ 1
 
-    stiffness k, N/m; damping c, N s/m, or restitution e. The usual e = exp(−πζ/√(1 − ζ²)) holds with tension until
-    δ = 0. The force jumps to c V at first touch.
+    The usual e = exp(−πζ/√(1 − ζ²)) holds with tension until δ = 0. The force jumps to c V at first touch.
     """
 
     name: ClassVar[str] = "linear-dashpot"

@@ -11,7 +11,7 @@ from film_model.laws.law import AbstractLaw, ExampleBall, Family, Parameter, Pow
 
 @dataclass(frozen=True)
 class Luding(AbstractLaw):
-    """Luding 2008, Granul. Matter 10:235. Without adhesion.
+    """Luding 2008, Granul. Matter 10:235.
 
         F = k_1 δ                                                             loading, up to δ*
         F = k_2 (δ − δ_f),  δ_f = (1 − k_1/k_2) δ_m                           unloading and reloading
@@ -19,7 +19,7 @@ class Luding(AbstractLaw):
         F = k_p (δ − φ_f 2R)                                                  beyond δ*, both ways
         e = √(k_1/k_2(δ_m))                                                   on a half-space, up to δ*
 
-    loading_stiffness k_1 and plastic_stiffness k_p > k_1, N/m; plasticity_depth φ_f; effective radius R, m.
+    Without adhesion.
     """
 
     name: ClassVar[str] = "luding"

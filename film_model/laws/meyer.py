@@ -15,8 +15,7 @@ class Meyer(AbstractLaw):
 
         F = F_0 + K_c (δ − δ_0)^q  for δ ≥ δ_0, else 0
 
-    stiffness K_c, N/m^q; initial_force F_0 ≥ 0, N; initial_indentation δ_0 ≥ 0, m; exponent q > 0: springs and flat
-    punches 1, spheres 1.5, cones 2.
+    q: springs and flat punches 1, spheres 1.5, cones 2. F_0, δ_0 ≥ 0.
     """
 
     name: ClassVar[str] = "meyer"

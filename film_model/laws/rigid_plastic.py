@@ -19,7 +19,7 @@ class RigidPlastic(AbstractLaw):
         δ_m − δ_f = 3 F_m/(4 E a)                                             recovery by Hertz's curve of that a
         e = 1.884 √(p_d/E) (W/(p_d R³))^{−1/8} ∝ V^{−1/4},  W = ½ m V²
 
-    yield_pressure p_d, Pa. Below δ_s = (9π²/8) (p_d/E)² R the law leaves no dent, and e = 0.894.
+    Below δ_s = (9π²/8) (p_d/E)² R the law leaves no dent, and e = 0.894.
     """
 
     name: ClassVar[str] = "rigid-plastic"

@@ -66,8 +66,8 @@ CLOSEST = 1e-9
 class Tabulated(AbstractLaw):
     """F(δ) through given points, by monotone cubic interpolation (Fritsch & Carlson 1980).
 
-    indentation, m, from 0 on, increasing; force, N, ≥ 0, not decreasing. Of more points 60 are interpolated, added
-    where the deviation is largest; a run reports what remains. In a scene it unloads by Brake's rule.
+    Forces are ≥ 0. Of more points 60 are interpolated, added where the deviation is largest; a run reports what
+    remains. In a scene it unloads by Brake's rule.
     """
 
     name: ClassVar[str] = "tabulated"

@@ -19,9 +19,8 @@ class TanSun(AbstractLaw):
         δ_f = δ_m [1 − (δ_cr/δ_m)^{2/5}],  or β (δ_m − δ_cr) if β is given    beyond
         e² = (q + 1)/(q_u + 1) (δ_m − δ_f)/δ_m
 
-    stiffness k, N/m^q; critical_indentation δ_cr, m (graphite/epoxy: about 0.08 mm); exponents q, q_u ≥ q and
-    q_r ≤ q_u; permanent_fraction 0 < β ≤ 1. Every contact loses energy. A second unloading retraces the unloading
-    curve, scaled (our own choice, which creates no energy).
+    δ_cr of graphite/epoxy: about 0.08 mm. q_u ≥ q, q_r ≤ q_u, 0 < β ≤ 1. Every contact loses energy. A second unloading
+    retraces the unloading curve, scaled (our own choice, which creates no energy).
     """
 
     name: ClassVar[str] = "tan-sun"

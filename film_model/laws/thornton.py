@@ -19,7 +19,7 @@ class Thornton(AbstractLaw):
         R_p = R F_Hertz(δ_m)/F_m                                 of Hertz's unloading, from a² = R δ_m
         e = √(6√3/5) (1 − v²/6)^{1/2} [v/(v + 2√((6 − v²)/5))]^{1/4},  v = V_Y/V;  1.18499 v^{1/4} for V ≫ V_Y
 
-    yield_pressure p_y, Pa: 1.6 S_y at first yield, 2.5 to 3 S_y to match deep indentations.
+    p_y: 1.6 S_y at first yield, 2.5 to 3 S_y to match deep indentations.
     """
 
     name: ClassVar[str] = "thornton"

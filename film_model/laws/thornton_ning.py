@@ -76,9 +76,8 @@ class ThorntonNing(AdhesiveLaw):
         δ_p = δ_m − a²/R_p + √(2π w a/E)
         tension ≤ 1.5 π w R_p;  end at δ_p − 2.0801 δ_s (R_p/R)^{1/3}         δ_s: JKR's
 
-    Slow balls stick. yield_pressure p_y, Pa, as thornton's; work_of_adhesion w, J/m², of both surfaces, with
-    p_y π R/(2 E a_c) above 1.06: the sphere must not yield by adhesion alone. Under long-ranged attraction (dmt)
-    adhesion takes no energy: thornton.
+    Slow balls stick. p_y π R/(2 E a_c) must be above 1.06: no yield by adhesion alone. Under long-ranged attraction
+    (dmt) adhesion takes no energy: take thornton.
     """
 
     name: ClassVar[str] = "thornton-ning"

@@ -27,7 +27,7 @@ class Tsuji(AbstractLaw):
         F = K δ^{3/2} + α √(m K) δ^{1/4} δ̇  until F = 0,  α = √5 ζ(e),  ζ(e) that of linear-dashpot
 
     It is a linear dashpot in w = δ^{5/4} and δ̇. The usual α = √5 β, β = −ln e/√(π² + ln² e), holds with tension until
-    δ = 0; without it gives 0.550 for e = 0.5. restitution: e at any velocity.
+    δ = 0; without it gives 0.550 for e = 0.5.
     """
 
     name: ClassVar[str] = "tsuji"

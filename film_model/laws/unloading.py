@@ -52,8 +52,8 @@ class BrakeUnloading(_Reopened):
         δ_f = δ_m (1 − F_m/F_Hertz(δ_m))
         F = (4/3) E √R̄ (δ − δ_f)^{3/2},  R̄ = F_m²/((4E/3)² (δ_m − δ_f)³)
 
-    effective_modulus E, Pa, and radius R, m. A law above Hertz's curve leaves no dent and returns 2/5 F_m δ_m. No
-    energy is created if the loading work is at least 0.4 F_m² δ_m/F_Hertz(δ_m), as for the laws here; else a run warns.
+    A law above Hertz's curve leaves no dent and returns 2/5 F_m δ_m. No energy is created if the loading work is at
+    least 0.4 F_m² δ_m/F_Hertz(δ_m), as for the laws here; else a run warns.
     """
 
     summary: ClassVar[str] = "δ_f = δ_m (1 − F_m/F_Hertz(δ_m)), then Hertz's curve through (δ_m, F_m)"

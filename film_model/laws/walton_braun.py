@@ -17,7 +17,7 @@ class WaltonBraun(AbstractLaw):
         F = k_2 (δ − δ_f),  δ_f = (1 − k_1/k_2) δ_m                           unloading and reloading
         e = √(k_1/k_2),  t_c = (π/2) √(m/k_1) (1 + e)                         on a half-space, at any velocity
 
-    loading_stiffness k_1 and unloading_stiffness k_2 ≥ k_1, N/m.
+    k_2 ≥ k_1.
     """
 
     name: ClassVar[str] = "walton-braun"

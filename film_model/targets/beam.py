@@ -196,7 +196,7 @@ class Beam(AbstractTarget):
         return damped(with_strains(modes, self.sensors), self.damping_ratio), forms
 
     def reflections(self, impact: Impact) -> Estimate:
-        """Not estimated: the whole beam is simulated, unless it is assumed fixed."""
+        """Not estimated: the whole target is simulated, unless it is assumed fixed."""
         return Estimate(HELD)
 
     def thickness_effect(self, impact: Impact) -> Estimate:

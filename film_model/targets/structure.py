@@ -219,7 +219,7 @@ class Structure(AbstractTarget):
         return 0.0
 
     def reflections(self, impact: Impact) -> Estimate:
-        """Not estimated: all of the structure is simulated."""
+        """Not estimated: the whole target is simulated, unless it is assumed fixed."""
         return no_effect("the vibrations of the structure are simulated")
 
     def bending_strength(self, impact: Impact) -> Estimate:

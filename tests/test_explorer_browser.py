@@ -212,7 +212,8 @@ def check(history, factor, found, fragment, rough=None):
     if worst <= ON_MODES:
         same_intervals(history, found["intervals"], fragment)
         if history.oblique is not None or found["oblique"] is not None:
-            assert oblique_off(history, found) <= ALONG + 1e3 * worst, fragment
+            along = ALONG + 1e3 * worst if same else max(allowed, ALONG + 1e3 * worst)
+            assert oblique_off(history, found) <= along, fragment
     return unsure
 
 

@@ -160,7 +160,10 @@ def test_random_scenes_equal_python(shown, everything, seed):
             history = None
         warned = found.get("edges") and found["edges"]["matter"]  # the page says that it has no edges
         if history is None:
-            assert warned or "summary" not in found or found["error"] >= 1.0, fragment
+            missed = "summary" in found and (
+                found["error"] >= 1.0 or any("is not reached" in text for text in found["warnings"])
+            )
+            assert warned or "summary" not in found or missed, fragment
         elif "summary" not in found:
             unreached = history.accuracy.modes and history.accuracy.estimated > history.accuracy.requested
             here = "on this page" in found["reason"] or "is available here" in found["reason"]

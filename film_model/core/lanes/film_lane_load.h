@@ -274,7 +274,7 @@ static void load_by_table(const batch_job *j, const double *restrict nu, turned_
 }
 
 /* Marches the lanes beyond the table. */
-static void load_beyond(batch_job *j, const double *restrict nu, const int64_t *index, int count, turned_lanes *restrict t,
+static void load_beyond(batch_job *j, const int64_t *index, int count, turned_lanes *restrict t,
                         const double *restrict beyond) {
     turned_lanes by_lines;
     double largest = 0.0, again[LANES];
@@ -299,7 +299,7 @@ static void load_lanes(batch_job *j, int32_t stage, const int64_t *index, int co
     start_lanes(j, index, count, s, nu);
     if (has_way_in(j, stage)) {
         load_by_table(j, nu, t, beyond);
-        if (any(beyond)) load_beyond(j, nu, index, count, t, beyond);
+        if (any(beyond)) load_beyond(j, index, count, t, beyond);
     } else {
         stored = load_by_lines(j, stage, t, &largest);
     }

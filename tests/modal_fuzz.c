@@ -16,7 +16,7 @@
 #define FUZZ "modal_fuzz.c"
 #include "fuzz_numbers.h"
 
-enum { MODES = 40, TABLED = 400, LEVELS = 40, CALLS = 60, EVENTS = 4000 };
+enum { MODES = 40, WAVES = 48 * MODES, TABLED = 400, LEVELS = 40, CALLS = 60, EVENTS = 4000 };
 
 static const double BALANCE = 1e-6; /* of the impact energy: random steps and loads, a tolerance of 1e-8 of a step */
 
@@ -118,7 +118,7 @@ static void walk(film_structure *structure, const film_curve *curve, const film_
 
 static void run(void) {
     static double memory[1 << 17];
-    double frequency[MODES], share[MODES], ratio[MODES], waves[4 * MODES], damping, omega = spread(0.01, 10.0);
+    double frequency[MODES], share[MODES], ratio[MODES], waves[WAVES], damping, omega = spread(0.01, 10.0);
     if (uniform() < 0.4) omega = uniform() < 0.5 ? 0.0 : spread(1e-9, 1e-3); /* a motion as a whole, or almost one */
     int reversible, modes = (int)(uniform() * (MODES + 1)), damped = uniform() < 0.3;
     film_curve curve = random_curve(&reversible, &damping);
@@ -133,18 +133,30 @@ static void run(void) {
     }
     if (film_structure_size(modes, LEVELS) > sizeof memory / sizeof *memory) fail("too little memory");
     if (film_structure_init(&structure, modes, frequency, share, ratio, 1.0, LEVELS, memory) != FILM_OK) fail("the structure is refused");
-    film_modal_start start = {spread(1e-2, 30.0), uniform() < 0.3 ? uniform() - 0.3 : 0.0, 0.0, 1.0, spread(0.1, 10.0), damping, 1e-8, 200.0, 0.0};
+    film_modal_start start = {spread(1e-2, 30.0), uniform() < 0.3 ? uniform() - 0.3 : 0.0, 0.0, 1.0, spread(0.1, 10.0), damping, 1e-8, 200.0, 0.0, 0.0};
     if (!curve.stage[0].damped && uniform() < 0.7 && curve.piece[0].force.constant == 0.0) start.rest = spread(1e-3, 10.0);
     reversible = reversible && !damped && start.load == 0.0;
     walk(&structure, &curve, &start, reversible);
+    double forms[2 * MODES * MODES];
+    int32_t carried = uniform() < 0.3 && modes > 2 ? 2 : 0;
+    for (int32_t i = 0; i < carried; i++)
+        for (int32_t k = 0; k <= i; k++)
+            for (int32_t part = 0; part < 2; part++) {
+                double *form = forms + part * carried * carried;
+                form[i * carried + k] = form[k * carried + i] = uniform() - 0.5;
+            }
+    start.stretch = spread(1e-3, 1.0);
+    if (film_structure_stretch(&structure, carried, 2, forms) != FILM_OK) fail("the membrane is refused");
+    if (film_waves_size(&structure) > WAVES) fail("too few numbers for the waves");
     start.tolerance = 1e-4;
     int status = film_modal_impact(&structure, &curve, &start, &s, waves, &summary, NULL);
     check_status(status);
     if (status >= 0 && !(summary.core.maximum_force >= 0.0 && summary.core.maximum_force < INFINITY)) fail("no largest force");
     for (int32_t set = FILM_PLAIN; set <= film_instructions(); set++) {
-        double waves_of_set[4 * MODES];
+        double waves_of_set[WAVES];
         film_modal_summary found;
         film_structure_init(&structure, modes, frequency, share, damped ? ratio : NULL, 1.0, LEVELS, memory);
+        film_structure_stretch(&structure, carried, 2, forms);
         structure.instructions = set;
         if (film_modal_impact(&structure, &curve, &start, &s, waves_of_set, &found, NULL) != status) fail("instruction sets differ in the status");
         if (memcmp(waves, waves_of_set, 2 * sizeof(double) * (size_t)modes) || memcmp(&summary, &found, sizeof found))

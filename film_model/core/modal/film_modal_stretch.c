@@ -80,7 +80,7 @@ static void set_carried(const film_structure *structure, const film_modal *s, co
 
 /* The membrane's accelerations at the nodes, from where the forces bring the modes; returns their largest change over their largest. */
 static double renew(const film_structure *structure, const film_modal *s, carried_mode *mode) {
-    double w[FILM_MOST_CARRIED], slope[FILM_MOST_CARRIED], per = s->mass / (s->unit * s->unit), change = 0.0, most = 0.0;
+    double w[FILM_MOST_CARRIED], slope[FILM_MOST_CARRIED], per = s->mass / (s->unit * s->unit), change = 0.0, most = 0.0, sum = 0.0;
     double next[FILM_MOST_CARRIED][NODES];
     for (int i = 0; i < NODES; i++) {
         for (int32_t m = 0; m < structure->carried; m++) {
@@ -95,10 +95,12 @@ static double renew(const film_structure *structure, const film_modal *s, carrie
         for (int i = 0; i < NODES; i++) {
             change = fmax(change, fabs(next[m][i] - mode[m].at_node[i]));
             most = fmax(most, fabs(next[m][i]));
+            sum += fabs(next[m][i]);
             mode[m].at_node[i] = next[m][i];
         }
     }
-    return most > 0.0 ? change / most : isfinite(change) ? 0.0 : INFINITY;
+    if (!(sum < INFINITY)) return INFINITY; /* fmax passes over NaN */
+    return most > 0.0 ? change / most : 0.0;
 }
 
 /* depth and rate of the contact's equations under the membrane forces. */

@@ -295,7 +295,10 @@ def test_a_command_is_parsed_alike_with_and_without_the_others():
 @pytest.mark.parametrize(
     ("code", "unneeded"),
     [
-        ("from film_model.cli.main import parser; parser().format_help()", {"numpy", "pathlib", "film_model.scene"}),
+        (
+            "from film_model.cli.main import parser; parser().format_help()",
+            {"numpy", "pathlib", "csv", "film_model.scene"},
+        ),
         (
             f"from film_model.cli.main import main; main(['run', {str(BALL)!r}])",
             {"pint", "scipy", "xarray", "matplotlib", "film_datasets", "pathlib", "film_model.face"}

@@ -376,6 +376,8 @@ def test_documentation_describes_the_law(made, name):
     with zipfile.ZipFile(made(scene(name))) as archive:
         page = archive.read("documentation/index.html").decode()
     assert html.escape(LAWS[name].validity) in page
+    ends = "end together, without tension" if name == "hunt-crossley" else "until F = 0"
+    assert ends in " ".join(page.split())
     assert "Contact ends where the force falls to zero, without tension." in page
     follows = {
         "linear-dashpot": "stiffness, mass, restitution",

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import math
 import os
 from collections.abc import Mapping, Sequence
@@ -222,6 +221,8 @@ def catalogue() -> Mapping[str, Material]:
 @cache
 def _rows() -> list[dict[str, str]]:
     """The rows of the table, by its headings: entries of a material, some with their unit, and other names for it."""
+    import csv
+
     with open(f"{os.path.splitext(__file__)[0]}.csv", encoding="utf-8", newline="") as file:
         return list(csv.DictReader(file))
 

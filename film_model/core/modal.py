@@ -256,15 +256,21 @@ def impact(tables: Tables, curve: Curve, start: Start, expected: int = 0, record
 
 
 def _unrecorded(tables: Tables, curve: Curve, start: Start) -> Impact:
-    state, summary, waves, energies = Modal(), Summary(), np.empty(tables.waves), np.empty(tables.count)
+    state, summary, waves = Modal(), Summary(), np.empty(tables.waves)
     own = c.byref(state), waves.ctypes.data
     status = _library().film_modal_impact(
         c.byref(tables.native), c.byref(curve), c.byref(start), *own, c.byref(summary), None
     )
-    _library().film_modal_energies(c.byref(tables.native), *own, energies.ctypes.data)
-    stretching = _library().film_modal_stretching(c.byref(tables.native), *own)
     none = np.empty(0, SEGMENT_DTYPE), np.empty(0, EVENT_DTYPE), np.empty((0, 2 * tables.count))
-    return Impact(status, summary, *none, energies, stretching)
+    return Impact(status, summary, *none, *_energies(tables, state, waves))
+
+
+def _energies(tables: Tables, state: Modal, waves: Array) -> tuple[Array, float]:
+    """Of each mode, and of the membrane forces."""
+    lib, energies = _library(), np.empty(tables.count)
+    own = c.byref(tables.native), c.byref(state), waves.ctypes.data
+    lib.film_modal_energies(*own, energies.ctypes.data)
+    return energies, lib.film_modal_stretching(*own)
 
 
 def _impact(tables: Tables, curve: Curve, start: Start, expected: int) -> Impact:
@@ -290,12 +296,8 @@ def _impact(tables: Tables, curve: Curve, start: Start, expected: int) -> Impact
         flight[flight >= 0] += kept
         kept += len(part[2])
     segments, events, flights = (_joined(columns) for columns in zip(*parts, strict=True))
-    energies = np.empty(tables.count)
-    lib.film_modal_energies(at[0], c.byref(state), waves.ctypes.data, energies.ctypes.data)
-    stretching = lib.film_modal_stretching(at[0], c.byref(state), waves.ctypes.data)
-    return Impact(
-        status, summary, segments.view(SEGMENT_DTYPE), events.view(EVENT_DTYPE), flights, energies, stretching
-    )
+    record = segments.view(SEGMENT_DTYPE), events.view(EVENT_DTYPE), flights
+    return Impact(status, summary, *record, *_energies(tables, state, waves))
 
 
 def _joined(parts: tuple[NDArray[Any], ...]) -> NDArray[Any]:

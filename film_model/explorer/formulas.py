@@ -251,7 +251,7 @@ def _problem(
     )
     own = recording.symbols(owner, _OF_LAW)
     strength = either(own["yield_strength"] > 0.0, own["yield_strength"], numbers["yield_strength"])
-    own["yield_strength"] = either(strength < math.inf, strength, math.nan)  # infinite if there is none
+    own["yield_strength"] = either(strength < math.inf, strength, math.nan)  # a missing entry is infinite in formulas
     law = SceneLaw(cast("Any", None), own, None, {})
     impacts = Impacts(template, law, _numbers(recording), varied=varied)
     values: dict[str, Any] = {**recording.symbols(owner, _PROBLEM), "given": (1.0, 0.0, 0.0), "damping": float(damped)}

@@ -35,8 +35,8 @@ from film_model.solve.vibration import (
     UNRESOLVED,
     vibrate,
 )
-from film_model.targets import AbstractTarget, Plate, Structure, panel_statics, ritz
-from film_model.targets.modes import EQUAL
+from film_model.targets import AbstractTarget, Plate, Structure, line_functions, panel_statics, ritz
+from film_model.targets.modes import EQUAL, UNSEEN
 
 SPARE = 4.0
 """Highest frequency of the page's modes over that which the scene as given needs."""
@@ -148,6 +148,7 @@ def constants() -> dict[str, float]:
         "impulses": IMPULSES,
         "longest": LONGEST,
         "equal": EQUAL,
+        "unseen": UNSEEN,
         "negligible": NEGLIGIBLE,
         "most_computed": MOST_COMPUTED,
         "least_frequency": structures.SLOWEST,
@@ -169,6 +170,8 @@ def ritz_constants() -> dict[str, Any]:
         "sharpness": ritz.SHARPNESS,
         "least": ritz.LEAST,
         "node": ritz.NODE,
+        "loose": ritz.LOOSE,
+        "beyond": line_functions.BEYOND,
         "spare": ritz.SPARE,
         "most_degree": ritz.MOST_DEGREE,
         "most_waves": ritz.MOST_WAVES,

@@ -26,6 +26,9 @@ JOINED = 4
 """Polynomials that join the shapes of a beam: four cubics and quintics give any curvature and shear at both ends."""
 
 
+BEYOND = 12
+"""Degrees of the polynomials beyond twice the number of shapes that are made of them."""
+
 RIGID = 1e-9
 """∫f″² of a function of unit ∫f² below which it is the rounding of a motion as a rigid body."""
 
@@ -63,7 +66,7 @@ def line(ends: tuple[str, str], count: int) -> Line:
 
     ends: "clamped", "simply supported" or "free".
     """
-    parts = _parts(ends, 2 * count + 12)  # a shape of n half-waves takes polynomials up to degree 2 n
+    parts = _parts(ends, 2 * count + BEYOND)  # a shape of n half-waves takes polynomials up to degree 2 n
     known = [_shapes(part) for part in parts]
     highest = np.sort(np.concatenate([bent for bent, _ in known]))[count - 1]
     more = 0 if ends == SIMPLE else JOINED // len(parts)

@@ -23,6 +23,9 @@ RESOLVED = 10.0
 EQUAL = 1e-13
 """Relative difference of frequencies that is rounding: square plates have vibrations in pairs."""
 
+UNSEEN = 1e-20
+"""Share over the largest, below which the struck point is a node."""
+
 BLURRED = 1e-5
 """Largest component, over the norm, that is taken for rounding however close two eigenvalues are."""
 
@@ -118,5 +121,5 @@ def sorted_modes(frequency: Array, share: Array, highest: float, factor: Array |
     order = np.argsort(frequency, axis=None, kind="stable")
     factors = np.zeros((0, order.size)) if factor is None else factor.reshape(len(factor), order.size)
     frequency, share = frequency.ravel()[order], share.ravel()[order]
-    kept = (frequency <= highest) & (share > 1e-20 * share.max(initial=0.0))
+    kept = (frequency <= highest) & (share > UNSEEN * share.max(initial=0.0))
     return Modes(frequency[kept], share[kept], factor=factors[:, order[kept]])

@@ -61,6 +61,9 @@ FEWEST = 0.6
 NODE = 1e-9
 """A function that is smaller at the struck point, in units of 2/√(a b), has a node there."""
 
+LOOSE = 1e-12
+"""Energy of a motion, over that of bending across the sides, below which it is one without energy."""
+
 SHIFT = 1e-8
 """Least shift of the eigenvalues over their median: errors are then below 1e-7 at the median, 1e-10 at the lowest."""
 
@@ -331,7 +334,7 @@ def loose_motions(panel: Panel, lines: list[Line], block: Block) -> Array:
     energy = energy_of(panel, lines, p[rigid], q[rigid])
     values, shapes = np.linalg.eigh(energy)
     a, b = panel.size
-    least = 1e-12 * (max(panel.stiffness) / (a * b) ** 2 + max(panel.springs) / min(a, b))
+    least = LOOSE * (max(panel.stiffness) / (a * b) ** 2 + max(panel.springs) / min(a, b))
     found = np.zeros((p.size, int(np.count_nonzero(values < least))))
     found[rigid] = shapes[:, : found.shape[1]]
     return found

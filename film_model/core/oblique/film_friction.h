@@ -41,14 +41,16 @@ typedef struct {
     int32_t phases, steps, regime, reserved;
 } film_friction_result;
 
-/* One impact, with D' = velocity at first touch. coarse: 1 for errors up to 1e-8 of a velocity above 0.01 approach, in half the steps;
- * 2 for 1e-5, as film_friction_quick. rows: room for `room` rows of time, z, D, D', q and the depth c outside which
- * the contact slips (z if it sticks), `per_step` in each step and the end, or null; *count is their number.
+/* How coarse a solution is: errors up to 1e-8 of a velocity above 0.01 approach, in half the steps, or up to 1e-5. */
+enum { FILM_FRICTION_EXACT = 0, FILM_FRICTION_COARSE = 1, FILM_FRICTION_QUICK = 2 };
+
+/* One impact, with D' = velocity at first touch. coarse: one of these. rows: room for `room` rows of time, z, D, D', q
+ * and the depth c outside which the contact slips (z if it sticks), `per_step` in each step and the end, or null; *count is their number.
  * FILM_OK; FILM_BAD_NUMBER for numbers out of range; FILM_TOO_MANY events or steps; FILM_FULL: more rows than room. */
 FILM_API int film_friction(const film_normal *normal, double rate, double velocity, int coarse, film_friction_result *result,
                            double *rows, int32_t per_step, int32_t room, int32_t *count);
 
-/* The same, faster if coarse is 2; it may fail where film_friction does not. */
+/* The same, faster if it is FILM_FRICTION_QUICK; it may fail where film_friction does not. */
 int film_friction_quick(const film_normal *normal, double rate, double velocity, int coarse, film_friction_result *result,
                         double *rows, int32_t per_step, int32_t room, int32_t *count);
 
@@ -58,7 +60,8 @@ typedef struct {
     int32_t status, regime, steps, reserved;
 } film_friction_brief;
 
-/* count impacts. coarse: as above. table: of Hertz's law (film_friction_many.c), which holds them if coarse is not 0. */
+/* count impacts. coarse: as above. table: of Hertz's law (film_friction_many.c), which holds them unless
+ * coarse is FILM_FRICTION_EXACT. */
 FILM_API void film_friction_many(int64_t count, const film_normal *normals, const double *rates, const double *velocities,
                                  int coarse, const double *table, film_friction_brief *results);
 

@@ -91,10 +91,10 @@ static void one(const film_normal *normal, double rate, double velocity, int coa
         to->status = FILM_BAD_NUMBER;
         return;
     }
-    if (fabs(velocity) <= FEWEST * approach) coarse = 0;
-    int quick = coarse == 2 && film_friction_quick(normal, rate, velocity, 2, &found, NULL, 1, 0, NULL) == FILM_OK;
+    if (fabs(velocity) <= FEWEST * approach) coarse = FILM_FRICTION_EXACT;
+    int quick = coarse == FILM_FRICTION_QUICK && film_friction_quick(normal, rate, velocity, coarse, &found, NULL, 1, 0, NULL) == FILM_OK;
     quick = quick && found.closure <= CLOSED;
-    to->status = quick ? FILM_OK : film_friction(normal, rate, velocity, coarse ? 1 : 0, &found, NULL, 1, 0, NULL);
+    to->status = quick ? FILM_OK : film_friction(normal, rate, velocity, coarse ? FILM_FRICTION_COARSE : FILM_FRICTION_EXACT, &found, NULL, 1, 0, NULL);
     to->velocity = found.velocity, to->force = found.force, to->time_of_force = found.time_of_force;
     to->closure = found.closure, to->steps = found.steps, to->regime = found.regime;
 }

@@ -14,7 +14,7 @@ typedef struct {
 
 /* What holds in a phase. kind: FILM_STICKS, FILM_SLIPS or FILM_SLIDES. piece: on which c is, FILM_STUCK or FILM_STRAIGHT.
  * normal: with an approach of 1, and a depth of about 1. flat: 1 if slip begins with w' = 0; edge: 1 if U = 0 too, where
- * stick has ended (film_friction_step.c). coarse: 0, 1 or 2. */
+ * stick has ended (film_friction_step.c). coarse: of film_friction.h. */
 typedef struct {
     film_normal normal;
     double rate, sign;

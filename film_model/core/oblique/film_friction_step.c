@@ -230,7 +230,7 @@ double film_friction_length(const film_phase_rule *rule, const film_taylor *of, 
     double last[2] = {0.0, 0.0}, h = LONGEST;
     watch_terms(of->nu, 1.0, last);
     watch_terms(of->v, scale, last);
-    if (rule->kind == FILM_STICKS || rule->coarse == 2) watch_terms(of->q, scale, last); /* quick steps are long */
+    if (rule->kind == FILM_STICKS || rule->coarse == FILM_FRICTION_QUICK) watch_terms(of->q, scale, last); /* quick steps are long */
     if (rule->kind == FILM_SLIPS) {
         watch_terms(of->P, scale, last);
         watch_terms(of->c, 1.0, last);

@@ -5,7 +5,7 @@
  * the integral of f^2: one-sided Jacobi rotations of its factor keep the digits of the smallest, which `eigh` would lose. */
 #include "plate/film_ritz.h"
 
-#include <math.h>
+#include "plate/film_rows.h"
 
 #define PI 3.14159265358979323846
 #define JOINED 4         /* polynomials that join the shapes */
@@ -24,18 +24,7 @@ typedef struct {
     double *bends;                           /* rows x columns: second derivatives of the shapes */
 } half;
 
-static double *at(double *rows, int32_t width, int32_t k) { return rows + (ptrdiff_t)k * width; }
 static const double *of(const double *rows, int32_t width, int32_t k) { return rows + (ptrdiff_t)k * width; }
-
-static double dot(int32_t n, const double *a, const double *b) {
-    double sum = 0.0;
-    for (int32_t k = 0; k < n; k++) sum += a[k] * b[k];
-    return sum;
-}
-
-static void add(int32_t n, double *a, double scale, const double *b) {
-    for (int32_t k = 0; k < n; k++) a[k] += scale * b[k];
-}
 
 static double unit(int32_t degree) { return sqrt(2.0 / (2.0 * degree + 1.0)); } /* norm of P_degree */
 
@@ -111,6 +100,13 @@ static void normalise(half *part, double *memory) {
     }
 }
 
+/* Cosine and sine of the rotation that makes two rows orthogonal, from their squares and product. */
+static void rotation(double alpha, double beta, double both, double *c, double *s) {
+    double slope = (beta - alpha) / (2.0 * both), t = (slope < 0.0 ? -1.0 : 1.0) / (fabs(slope) + sqrt(1.0 + slope * slope));
+    *c = 1.0 / sqrt(1.0 + t * t);
+    *s = *c * t;
+}
+
 static void turn(int32_t n, double *a, double *b, double c, double s) {
     for (int32_t k = 0; k < n; k++) {
         double x = a[k], y = b[k];
@@ -144,11 +140,10 @@ static void rotate(half *part) {
                 if (fmax(alpha, beta) < NEGLECTED * NEGLECTED) continue;
                 double both = dot(n, a, b);
                 if (fabs(both) <= ORTHOGONAL * sqrt(alpha * beta)) continue;
-                double slope = (beta - alpha) / (2.0 * both);
-                double t = (slope < 0.0 ? -1.0 : 1.0) / (fabs(slope) + sqrt(1.0 + slope * slope));
-                double c = 1.0 / sqrt(1.0 + t * t);
-                turn(n, a, b, c, c * t);
-                turn(m, at(part->factor, m, i), at(part->factor, m, j), c, c * t);
+                double c, s;
+                rotation(alpha, beta, both, &c, &s);
+                turn(n, a, b, c, s);
+                turn(m, at(part->factor, m, i), at(part->factor, m, j), c, s);
                 part->size[i] = dot(n, a, a);
                 part->size[j] = dot(n, b, b);
                 turned = 1;
@@ -199,12 +194,12 @@ static void diagonalise(int32_t n, double a[JOINED][JOINED], int32_t width, doub
         for (int32_t i = 0; i + 1 < n; i++)
             for (int32_t j = i + 1; j < n; j++) {
                 if (a[i][j] == 0.0) continue;
-                double slope = (a[j][j] - a[i][i]) / (2.0 * a[i][j]);
-                double t = (slope < 0.0 ? -1.0 : 1.0) / (fabs(slope) + sqrt(1.0 + slope * slope)), c = 1.0 / sqrt(1.0 + t * t);
-                turn(n, a[i], a[j], c, c * t);
-                for (int32_t k = 0; k < n; k++) turn(1, &a[k][i], &a[k][j], c, c * t);
+                double c, s;
+                rotation(a[i][i], a[j][j], a[i][j], &c, &s);
+                turn(n, a[i], a[j], c, s);
+                for (int32_t k = 0; k < n; k++) turn(1, &a[k][i], &a[k][j], c, s);
                 a[i][j] = a[j][i] = 0.0;
-                turn(width, at(v, width, i), at(v, width, j), c, c * t);
+                turn(width, at(v, width, i), at(v, width, j), c, s);
             }
 }
 

@@ -6,31 +6,13 @@
 #include "plate/film_spectrum.h"
 
 #include <float.h>
-#include <math.h>
+
+#include "plate/film_rows.h"
 
 #define SHIFT 1e-8      /* least shift over the median of the diagonal */
 #define ROUNDED 1e-14   /* eigenvalues of the inverse over the largest, below which they are rounding */
 #define BLURRED 1e-5    /* largest component, over the norm, that is taken for rounding however close two eigenvalues are */
 #define MOST_STEPS 60   /* of QL for an eigenvalue; two to three are usual */
-
-static double *at(double *rows, int32_t n, int32_t k) { return rows + (ptrdiff_t)k * n; }
-
-static double dot(int32_t n, const double *a, const double *b) {
-    double one = 0.0, two = 0.0, three = 0.0, four = 0.0;
-    int32_t k = 0;
-    for (; k + 4 <= n; k += 4) {
-        one += a[k] * b[k];
-        two += a[k + 1] * b[k + 1];
-        three += a[k + 2] * b[k + 2];
-        four += a[k + 3] * b[k + 3];
-    }
-    for (; k < n; k++) one += a[k] * b[k];
-    return (one + two) + (three + four);
-}
-
-static void add(int32_t n, double *restrict a, double scale, const double *restrict b) {
-    for (int32_t k = 0; k < n; k++) a[k] += scale * b[k];
-}
 
 /* The matrix with a diagonal of ones, and its lower factor in place; scale: what divided its rows. */
 static int32_t factorise(int32_t n, double *a, double *scale) {

@@ -375,12 +375,13 @@ class Failure extends Error {
 function sortedModes(frequencies, shares, highest) {
   /** @type {Record<string, number[]>} */
   const modes = { frequency: [], share: [], ratio: [] };
+  const { equal, unseen } = DATA.constants.vibration;
   const largest = shares.reduce((most, share) => Math.max(most, share), 0);
   let last = -1;
   for (const k of Array.from(shares.keys()).sort((i, j) => frequencies[i] - frequencies[j])) {
     const [own, share] = [frequencies[k], shares[k]];
-    if (own > highest || !(share > 1e-20 * largest)) continue;
-    if (own - last > DATA.constants.vibration.equal * own) {
+    if (own > highest || !(share > unseen * largest)) continue;
+    if (own - last > equal * own) {
       modes.frequency.push(own);
       modes.share.push(share);
       modes.ratio.push(0);

@@ -56,8 +56,9 @@ function lineOf(ends, degree, count) {
 
 /** The shapes along a side that resolve all waves up to a frequency. @param {Panel} panel @param {number} along @param {number} highest */
 function shapesAlong(panel, along, highest) {
-  const count = Math.max(DATA.constants.ritz.least, Math.trunc(halfWaves(panel, along, highest)) + 2);
-  return lineOf(endsOf(panel, along), 2 * count + 12, count);
+  const { least, beyond } = DATA.constants.ritz;
+  const count = Math.max(least, Math.trunc(halfWaves(panel, along, highest)) + 2);
+  return lineOf(endsOf(panel, along), 2 * count + beyond, count);
 }
 
 /** The values of all functions of a line. @param {number} line @param {number} place between its ends @param {number} side */
@@ -106,7 +107,7 @@ function groupsOf(panel, lines, point, { highest, most, from = 0, to }, use) {
 /** Numbers of the products of a group that move without energy. @param {Panel} panel @param {number} count @param {number} energy */
 function looseOf({ d11, d22, a, b }, count, energy) {
   const matrix = new Float64Array(CORE.c.memory.buffer, energy, count * count);
-  const least = (1e-12 * Math.max(d11, d22)) / (a * b) ** 2;
+  const least = (DATA.constants.ritz.loose * Math.max(d11, d22)) / (a * b) ** 2;
   return Array.from({ length: count }, (_, k) => k).filter((k) => matrix[k * (count + 1)] < least);
 }
 

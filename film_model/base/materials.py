@@ -215,16 +215,21 @@ AMBIGUOUS = {"steel": ("structural steel S235", "mild steel", "bearing steel", "
 @cache
 def catalogue() -> Mapping[str, Material]:
     """The catalogue, by name. Values are nominal: real ones vary with grade, heat treatment, rate and temperature."""
-    return {row["name"]: _material(row) for row in _rows()}
+    return {name: _of_name(name) for name in _rows()}
 
 
 @cache
-def _rows() -> list[dict[str, str]]:
-    """The rows of the table, by its headings: entries of a material, some with their unit, and other names for it."""
+def _of_name(name: str) -> Material:
+    return _material(_rows()[name])
+
+
+@cache
+def _rows() -> dict[str, dict[str, str]]:
+    """The rows of the table by name: entries of a material, some with their unit, and other names for it."""
     import csv
 
     with open(f"{os.path.splitext(__file__)[0]}.csv", encoding="utf-8", newline="") as file:
-        return list(csv.DictReader(file))
+        return {row["name"]: row for row in csv.DictReader(file)}
 
 
 def _material(row: Mapping[str, str]) -> Material:
@@ -245,7 +250,7 @@ def _words(row: Mapping[str, str]) -> tuple[str, ...]:
 @cache
 def _names() -> Mapping[str, str]:
     """The name of a material by every word for it, in lower case and British spelling."""
-    return {_plain(word): row["name"] for row in _rows() for word in (*_words(row), row["name"])}
+    return {_plain(word): name for name, row in _rows().items() for word in (*_words(row), name)}
 
 
 def _plain(name: str) -> str:
@@ -255,7 +260,7 @@ def _plain(name: str) -> str:
 def named(name: str) -> Material | None:
     """The material of the catalogue with that name or synonym, None if there is none."""
     found = _names().get(_plain(name))
-    return None if found is None else catalogue()[found]
+    return None if found is None else _of_name(found)
 
 
 def material(name: str) -> Material:
@@ -284,14 +289,14 @@ def material(name: str) -> Material:
 
 def synonyms(name: str) -> tuple[str, ...]:
     """Other words for a material of the catalogue."""
-    return next(_words(row) for row in _rows() if row["name"] == name)
+    return _words(_rows()[name])
 
 
 def search(words: str) -> list[Material]:
     """The materials whose name, or one of the other words for it, contains all the words."""
     wanted = _plain(words).split()
-    texts = {row["name"]: " ".join(map(_plain, (row["name"], *_words(row)))) for row in _rows()}
-    return [catalogue()[name] for name, text in texts.items() if wanted and all(word in text for word in wanted)]
+    texts = {name: " ".join(map(_plain, (name, *_words(row)))) for name, row in _rows().items()}
+    return [_of_name(name) for name, text in texts.items() if wanted and all(word in text for word in wanted)]
 
 
 MaterialLike: TypeAlias = Material | str | Mapping[str, Any]

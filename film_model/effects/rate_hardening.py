@@ -16,7 +16,7 @@ from typing import Any, cast
 
 from film_model.base.arrays import any_of, either, greater, ratio, root
 from film_model.base.errors import SimulationError
-from film_model.base.materials import catalogue
+from film_model.base.materials import named
 from film_model.base.rate_law import RateHardening
 from film_model.base.units import format_si
 from film_model.effects.case import ABSENT, YIELDS, Rule, absorbed
@@ -162,7 +162,7 @@ def _without_coefficient(static: Problem) -> Effect:
     """The effect for a material without C: important if its strength is the catalogue's, that of slow loading."""
     rate, soft = strain_rate(static), static.scene.first_to_yield
     size, opened = _open(static)
-    if soft is None or rate < RATE_SENSITIVE or catalogue().get(soft.name) != soft:
+    if soft is None or rate < RATE_SENSITIVE or named(soft.name) != soft:
         missing = "missing: strain_rate_coefficient or rate_multiplier of the material that yields"
         return RULE.unjudged(missing + opened, rate)._replace(change=size)
     why = f"at {rate:.3g} 1/s {soft.name} is stronger than in slow loading, and the catalogue has no coefficient for it"

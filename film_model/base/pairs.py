@@ -75,5 +75,5 @@ class AbstractTable(ABC):
 
 
 def write_table(value: Any) -> Any:
-    """A value that may be a table, as a scene file contains it."""
-    return value.written if isinstance(value, AbstractTable) else value
+    """Plain numbers or a table of them, as a scene file contains them."""
+    return value.written if isinstance(value, AbstractTable) else written(value, "dimensionless")

@@ -13,10 +13,11 @@ from film_model.base.errors import Mistake, raise_all, shown
 from film_model.base.fields import Field, entry, measure, mistake, words
 from film_model.base.materials import MATERIAL, Material, MaterialLike
 from film_model.base.units import Value, array_to_si, needed
-from film_model.targets.modes import Array, Modes, pulse_response
+from film_model.targets.modes import Modes, pulse_response
 from film_model.targets.sensors import SENSORS, Sensor, replaced
 from film_model.targets.structure_file import MOST_LISTED, read_structure
 from film_model.targets.supports import DAMPING, Damping, DampingLike, damped
+from film_model.targets.surface_strain import Rows
 from film_model.targets.target import RADIUS, AbstractTarget, Estimate, Impact, fill_target, no_effect
 
 HERTZ = 2.0 * math.pi
@@ -198,9 +199,9 @@ class Structure(AbstractTarget):
         """The given vibrations up to the frequency `highest` [rad/s]."""
         return damped(self._all.below(highest), self.damping_ratio)
 
-    def strains(self, rows: Array) -> Array:
-        """The strain of each column as strain_x; strain_y and the stress are not known."""
-        return np.stack([rows, *np.full((2, *rows.shape), np.nan)])
+    def strains(self, rows: Rows) -> Rows:
+        """The strain of each column as strain_x; strain_y and the stresses are not known."""
+        return np.stack([rows, *np.full((4, *rows.shape), np.nan)])  # pyright: ignore[reportReturnType]
 
     def omitted(self, modes: Modes, highest: float) -> float:
         """Static compliance of the vibrations above `highest` [rad/s], m/N: their sum.

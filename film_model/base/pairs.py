@@ -3,21 +3,15 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import Any, ClassVar, Self, TypeAlias, cast
+from typing import Any, ClassVar, Self, TypeAlias
 
 from film_model.base.errors import shown
-from film_model.base.fields import Field, written
+from film_model.base.fields import Field, items_of, written
 from film_model.base.units import format_si
 
 Pairs: TypeAlias = tuple[tuple[float, float], ...]
-
-
-def items_of(value: object) -> Sequence[object]:
-    """The items of a list; none of what is no list."""
-    return cast("Sequence[object]", value) if isinstance(value, Sequence) and not isinstance(value, str) else ()
 
 
 def read_pairs(value: object, pair: tuple[Field, Field], most: int, need: str, least: int = 1) -> Pairs:

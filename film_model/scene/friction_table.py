@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
 import numpy as np
 
 from film_model.base.arrays import Array
-from film_model.base.fields import Field, measure
+from film_model.base.fields import Field, items_of, measure
 from film_model.base.pairs import AbstractTable, write_table
 
 COEFFICIENT = measure("dimensionless", 0.0, 100.0)
@@ -68,8 +67,8 @@ class FrictionTable(AbstractTable):
 
 
 def _read(value: object) -> float | FrictionTable:
-    single = isinstance(value, str) or not isinstance(value, Sequence | FrictionTable)
-    return COEFFICIENT.read(value) if single else FrictionTable.read(value)
+    several = items_of(value) or isinstance(value, FrictionTable)
+    return FrictionTable.read(value) if several else COEFFICIENT.read(value)
 
 
 FRICTION = Field(_read, FrictionTable.NEED, low=COEFFICIENT.low, high=COEFFICIENT.high, write=write_table)

@@ -5,13 +5,13 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any, ClassVar, TypeAlias, cast
+from typing import Any, ClassVar, TypeAlias
 
 import numpy as np
 
 from film_model.base.errors import Mistake, shown
-from film_model.base.fields import Field, choice, measure, mistake
-from film_model.base.pairs import AbstractTable, items_of, write_table
+from film_model.base.fields import Field, choice, items_of, measure, mistake
+from film_model.base.pairs import AbstractTable, write_table
 from film_model.targets.modes import Modes
 
 SUPPORTS = "simply supported", "clamped", "free"
@@ -24,9 +24,8 @@ def one_or(count: int, field: Field) -> Field:
     need = f"{field.need}, or a list of {count}"
 
     def read(value: object) -> Any:
-        if isinstance(value, str) or not isinstance(value, Sequence):
+        if not (items := items_of(value)):
             return field.read(value)
-        items = cast("Sequence[object]", value)
         if len(items) != count:
             raise ValueError(f"{shown(value)} has {len(items)} values: {need}")
         found = tuple(field.read(item) for item in items)
@@ -67,10 +66,9 @@ DampingLike: TypeAlias = float | Sequence[float] | Sequence[Sequence[Any]] | Dam
 def _read_damping(value: object) -> Damping:
     if isinstance(value, DampingTable) or any(items_of(item) for item in items_of(value)):
         return DampingTable.read(value)
-    if isinstance(value, str) or not isinstance(value, Sequence):
+    if not (items := items_of(value)):
         return _RATIO.read(value)
-    items = items_of(value)
-    if not 1 <= len(items) <= DampingTable.MOST:
+    if len(items) > DampingTable.MOST:
         raise ValueError(f"{shown(value)} has {len(items)} values: 1 to {DampingTable.MOST} are allowed")
     return tuple(_RATIO.read(item) for item in items)
 

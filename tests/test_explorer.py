@@ -182,6 +182,7 @@ def test_a_target_that_is_held_brings_its_compliance_and_its_modes():
         ({"size": ["0.1 m", "0.1 m"], "position": ["0.03 m", "0.05 m"], "edges": "clamped"}, True),
         ({"size": ["0.1 m", "0.1 m"], "foundation_stiffness": "1e6 N/m^3"}, False),
         ({"size": ["0.1 m", "0.1 m"], "damping_ratio": [0.01, 0.02]}, False),
+        ({"size": ["0.1 m", "0.1 m"], "damping_ratio": [["1 kHz", 0.01], ["2 kHz", 0.02]]}, False),
         ({"static_stiffness": "1e6 N/m"}, False),
     ],
 )

@@ -86,7 +86,7 @@ def test_a_scene_file_keeps_it():
     [
         ([["0 m/s", 0.2]], "at least two pairs"),
         ([0.2, 0.3], "at least two pairs"),
-        ([["1 m/s", 0.2], ["1 m/s", 0.3]], r"speed 1 m/s must be > 1 m/s, that of the pair before"),
+        ([["1 m/s", 0.2], ["1 m/s", 0.3]], "pair 2: 1 m/s must be > 1 m/s, that of the pair before"),
         ([["0 m/s", 0.2], ["1 m", 0.3]], "velocity"),
         ([["0 m/s", 0.2], ["1 m/s", -0.3]], "must be >= 0"),
     ],

@@ -29,7 +29,8 @@ FILES = {
     "slab.toml": BALL + 'kind = "half-space"\nmaterial = "mild steel"\n',
     "pane.toml": BALL + 'kind = "plate"\nthickness = "6 mm"\nsize = ["300 mm", "300 mm"]\nmaterial = "mild steel"\n',
     "sensed.toml": BALL + 'kind = "beam"\nlength = "300 mm"\nwidth = "30 mm"\nthickness = "8 mm"\n'
-    'material = "mild steel"\nsensors = [{ name = "a", position = "150 mm" }, { name = "b", position = "20 mm" }]\n',
+    'material = "mild steel"\n'
+    'sensors = [{ name = "a", position = "150 mm" }, { name = "b", position = "20 mm", strain = true }]\n',
     "slanted.toml": BALL.replace("[target]", 'angle = "40 deg"\nspin = "-900 rpm"\n[contact]\nfriction = 0.2\n[target]')
     + 'kind = "half-space"\nmaterial = "mild steel"\n',
     "lines.toml": 'scene = "slab.toml"\n[over]\n"target.material" = ["mild steel", "aluminium 6061-T6"]\n'

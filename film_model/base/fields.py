@@ -162,6 +162,11 @@ def words(what: str) -> Field:
     return Field(read, f"{what} is needed", required=True)
 
 
+def items_of(value: object) -> Sequence[object]:
+    """The items of a list; none of what is no list."""
+    return cast("Sequence[object]", value) if isinstance(value, Sequence) and not isinstance(value, str) else ()
+
+
 def several(field: Field, count: int) -> Field:
     """A list of `count` values."""
     need = f"a list of {count} values is needed"

@@ -10,7 +10,7 @@ from functools import cache, cached_property
 from typing import Any, TypeAlias, cast
 
 from film_model.base.errors import Mistake, raise_all, shown
-from film_model.base.fields import Field, InUnits, build, entry, fill, measure, mistake, part, words, written
+from film_model.base.fields import Field, InUnits, build, entry, fill, measure, mistake, part, words
 from film_model.base.flow_stress import (
     MOST_HARDENING,
     MOST_OVER_YIELD,
@@ -22,6 +22,7 @@ from film_model.base.flow_stress import (
     yield_of_flow,
 )
 from film_model.base.hardness import HARDNESS
+from film_model.base.pairs import Pairs, read_pairs, write_pairs
 from film_model.base.units import Value, format_si
 
 MOST_RELAXATIONS = 12
@@ -33,38 +34,22 @@ MOST_RELAXED = 0.9999
 _PAIR = (measure("dimensionless", 0, 1, open_ends=True), measure("time", 1e-12, 1e12))
 
 
-def _read_prony(value: object) -> tuple[tuple[float, float], ...]:
-    """The pairs of a Prony series, e.g. [[0.3, "1 ms"], [0.2, "10 ms"]]."""
-    pairs = _items(value)
-    if not 0 < len(pairs) <= MOST_RELAXATIONS or any(len(_items(pair)) != 2 for pair in pairs):
-        raise ValueError(f"{shown(value)} is not allowed: {_PRONY_NEEDED}")
-    found: list[tuple[float, float]] = []
-    for place, pair in enumerate(pairs, 1):
-        try:
-            modulus, time = (field.read(item) for field, item in zip(_PAIR, _items(pair), strict=True))
-        except ValueError as error:
-            raise ValueError(f"pair {place}: {error}") from None
-        found.append((modulus, time))
-    total = sum(modulus for modulus, _ in found)
-    if not total < MOST_RELAXED:
-        raise ValueError(f"the relative moduli add up to {total:g}, which must be < {MOST_RELAXED:g}")
-    return tuple(found)
-
-
-def _items(value: object) -> Sequence[object]:
-    """The items of a list; none of what is no list."""
-    return cast("Sequence[object]", value) if isinstance(value, Sequence) and not isinstance(value, str) else ()
-
-
-def _write_prony(pairs: Sequence[tuple[float, float]]) -> list[list[float | str]]:
-    return [[modulus, written(time, "time")] for modulus, time in pairs]
-
-
 _PRONY_NEEDED = (
     f"a list of 1 to {MOST_RELAXATIONS} pairs of a relative modulus and a relaxation time is needed, e.g. "
     '[[0.3, "1 ms"]]'
 )
-PRONY = Field(_read_prony, _PRONY_NEEDED, write=_write_prony)
+
+
+def _read_prony(value: object) -> Pairs:
+    """The pairs of a Prony series, e.g. [[0.3, "1 ms"], [0.2, "10 ms"]]."""
+    found = read_pairs(value, _PAIR, MOST_RELAXATIONS, _PRONY_NEEDED)
+    total = sum(modulus for modulus, _ in found)
+    if not total < MOST_RELAXED:
+        raise ValueError(f"the relative moduli add up to {total:g}, which must be < {MOST_RELAXED:g}")
+    return found
+
+
+PRONY = Field(_read_prony, _PRONY_NEEDED, write=lambda pairs: write_pairs(pairs, _PAIR))
 
 
 @dataclass(frozen=True, init=False, repr=False)

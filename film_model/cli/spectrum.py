@@ -27,7 +27,7 @@ def add_commands(named: Any) -> None:
     parser.add_argument("--highest", metavar="FREQUENCY", help='e.g. "5 kHz" (default: twice the bandwidth)')
     parser.add_argument("--accuracy", type=float, help="relative accuracy of the impact, e.g. 1e-6")
     parser.add_argument("--output", metavar="FILE.csv", help="write frequencies and complex values")
-    add_plot(parser, "draw the spectrum of the force, and the accelerance")
+    add_plot(parser, "draw the spectrum of the force, accelerances and strains")
     add_force(parser)
     add_json(parser)
     parser.set_defaults(command=spectrum)

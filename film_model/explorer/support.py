@@ -96,7 +96,8 @@ def computed(target: AbstractTarget) -> bool:
     """Whether the page computes how the target moves between edges: a plate of no layers, bed, springs and sensors."""
     if not isinstance(target, Plate) or target.layup is not None or target.stiffness_given or target.sensors:
         return False
-    return not (target.foundation_stiffness or target.edge_stiffness or isinstance(target.damping_ratio, tuple))
+    alike = isinstance(target.damping_ratio, float | None)
+    return alike and not (target.foundation_stiffness or target.edge_stiffness)
 
 
 def data(choice: Choice) -> tuple[dict[str, Any] | None, str]:

@@ -3,42 +3,34 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import pairwise
-from typing import Any, cast
+from typing import Any, ClassVar
 
 import numpy as np
 
 from film_model.base.arrays import Array
-from film_model.base.errors import shown
-from film_model.base.fields import Field, measure, written
+from film_model.base.fields import Field, items_of, measure
+from film_model.base.pairs import AbstractTable, write_table
 
-SPEED, COEFFICIENT = measure("velocity", 0.0, 1e5), measure("dimensionless", 0.0, 100.0)
-NEED = 'a coefficient or a list of at least two pairs [speed, coefficient] as ["1 m/s", 0.3] is needed'
+COEFFICIENT = measure("dimensionless", 0.0, 100.0)
 
 
 @dataclass(frozen=True, repr=False)
-class FrictionTable:
-    """µ over the sliding speed |v|. rows: (speed, m/s, increasing; µ); lines between, constant beyond."""
+class FrictionTable(AbstractTable):
+    """µ over the sliding speed |v|, m/s, by lines."""
 
-    rows: tuple[tuple[float, float], ...]
-
-    def __repr__(self) -> str:
-        return repr(self.written)
+    PAIR: ClassVar[tuple[Field, Field]] = measure("velocity", 0.0, 1e5), COEFFICIENT
+    NEED: ClassVar[str] = (
+        'a coefficient or a list of at least two pairs [speed, coefficient] as ["1 m/s", 0.3] is needed'
+    )
 
     def __format__(self, spec: str) -> str:
         coefficients = [row[1] for row in self.rows]
         return f"{min(coefficients):{spec}} to {max(coefficients):{spec}}"
 
-    @property
-    def written(self) -> list[list[Any]]:
-        """The table as a scene file contains it."""
-        return [[written(speed, "velocity"), coefficient] for speed, coefficient in self.rows]
-
-    def at(self, speed: Any) -> Any:
+    def at(self, x: Any) -> Any:
         """µ at a speed or at many, m/s."""
-        return np.interp(speed, *np.array(self.rows).T)
+        return np.interp(x, *np.array(self.rows).T)
 
     def slid(self, velocity: float, impulse: float) -> float:
         """The sliding velocity after a normal impulse over m_t, m/s, in which the contact slides: v' = −µ(|v|).
@@ -75,23 +67,9 @@ class FrictionTable:
 
 
 def _read(value: object) -> float | FrictionTable:
-    if isinstance(value, FrictionTable):
-        return value
-    if isinstance(value, str) or not isinstance(value, Sequence):
-        return COEFFICIENT.read(value)
-    rows = cast("Sequence[Any]", value)
-    if len(rows) < 2 or any(isinstance(row, str) or not isinstance(row, Sequence) or len(row) != 2 for row in rows):
-        raise ValueError(f"{shown(value)} is not allowed: {NEED}")
-    read = tuple((SPEED.read(speed), COEFFICIENT.read(mu)) for speed, mu in rows)
-    for (before, _), (after, _) in pairwise(read):
-        if not after > before:
-            raise ValueError(f"speed {after:g} m/s must be > {before:g} m/s, that of the pair before")
-    return FrictionTable(read)
+    several = items_of(value) or isinstance(value, FrictionTable)
+    return FrictionTable.read(value) if several else COEFFICIENT.read(value)
 
 
-def _write(value: float | FrictionTable) -> Any:
-    return value.written if isinstance(value, FrictionTable) else value
-
-
-FRICTION = Field(_read, NEED, low=COEFFICIENT.low, high=COEFFICIENT.high, write=_write)
+FRICTION = Field(_read, FrictionTable.NEED, low=COEFFICIENT.low, high=COEFFICIENT.high, write=write_table)
 """A coefficient, or a table of it."""

@@ -28,6 +28,7 @@ from film_model.solve.modal_motion import ModalMotion
 from film_model.solve.structures import CARRIED, modes_of
 from film_model.solve.vibration import Vibration, vibrate
 from film_model.targets import AbstractTarget, Modes
+from film_model.targets.surface_strain import bending_stress
 
 TURNED = 0.5
 """Angle of a step up to which six Gauss points integrate to rounding, and from which on the polynomial loses at most
@@ -148,7 +149,8 @@ def _split(target: AbstractTarget, found: Array) -> Array:
     if not chosen:
         return moved
     strains = np.full(moved.shape, np.nan)
-    strains[:, chosen] = target.strains(found[0, len(sensors) :])
+    along, across, *stresses = target.strains(found[0, len(sensors) :])
+    strains[:, chosen] = along, across, bending_stress(*stresses)
     return np.concatenate([moved, strains])
 
 

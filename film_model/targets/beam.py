@@ -23,7 +23,7 @@ from film_model.targets.plate_waves import plate_stiffness, shear_around
 from film_model.targets.ritz import Panel, panel_modes
 from film_model.targets.sensors import SENSORS, Sensor, points_of, sensor_mistakes, with_strains
 from film_model.targets.stretching import lengthening, stretching
-from film_model.targets.supports import DAMPING, IN_PLANE, SUPPORTS, damped, one_or
+from film_model.targets.supports import DAMPING, IN_PLANE, SUPPORTS, Damping, DampingLike, damped, one_or
 from film_model.targets.target import (
     COMES_BACK,
     GIVEN_STIFFNESS,
@@ -55,10 +55,11 @@ class Beam(AbstractTarget):
     supported", "clamped" or "free"; one word, or two; or "cantilever", clamped at the first end only. theory:
     "timoshenko", with shear and rotary inertia; "euler-bernoulli", without; "plate", which bends across its width too;
     "auto": a plate if at least six times as wide as thick, otherwise Timoshenko's. damping_ratio: of the vibrations;
-    one number, or a list for those that move the struck point. in_plane: "fixed" or "free", whether the ends are
-    held along the beam; without, the axial force is not simulated. position: of the impact, distance from the first
-    end, m; default the middle, or the free end of a cantilever. static_stiffness: force over deflection at that point,
-    N/m; default from the theory. sensors: points whose motion is wanted. radius: of a curved surface, m.
+    one number, a list for those that move the struck point, or pairs with frequencies. in_plane: "fixed" or "free",
+    whether the ends are held along the beam; without, the axial force is not simulated. position: of the impact,
+    distance from the first end, m; default the middle, or the free end of a cantilever. static_stiffness: force over
+    deflection at that point, N/m; default from the theory. sensors: points whose motion is wanted. radius: of a curved
+    surface, m.
 
     >>> fm.Beam("mild steel", length="300 mm", width="20 mm", thickness="10 mm").finite
     True
@@ -75,7 +76,7 @@ class Beam(AbstractTarget):
     theory: Literal["auto", "timoshenko", "euler-bernoulli", "plate"] = entry(
         choice("auto", "timoshenko", "euler-bernoulli", "plate")
     )
-    damping_ratio: float | tuple[float, ...] | None = entry(DAMPING)
+    damping_ratio: Damping = entry(DAMPING)
     in_plane: Literal["fixed", "free"] | None = entry(IN_PLANE)  # pyright: ignore[reportIncompatibleVariableOverride]
     position: float | None = entry(PLACE)
     static_stiffness: float | None = entry(STATIC_STIFFNESS)
@@ -93,7 +94,7 @@ class Beam(AbstractTarget):
         static_stiffness: Value | None = None,
         radius: Value | None = None,
         theory: Literal["auto", "timoshenko", "euler-bernoulli", "plate"] = "auto",
-        damping_ratio: float | Sequence[float] | None = None,
+        damping_ratio: DampingLike = None,
         sensors: Sequence[Sensor | Mapping[str, Any]] | None = None,
         in_plane: Literal["fixed", "free"] | None = None,
     ) -> None:

@@ -39,6 +39,8 @@ from film_model.targets.supports import (
     EDGES,
     FOUNDATION,
     IN_PLANE,
+    Damping,
+    DampingLike,
     damped,
     four,
     spring_mistakes,
@@ -78,10 +80,10 @@ class Plate(AbstractTarget):
     orthotropic plate, N·m. layup: layers from one face to the other. size: the two sides, m; D11 is the stiffness along
     the first; without it the plate is infinite. edges: "simply supported", "clamped" or "free"; one word, or four for x
     = 0, x = a, y = 0, y = b. edge_stiffness: of elastic supports of free edges, N/m²; one number or four.
-    foundation_stiffness: of an elastic bed, N/m³. damping_ratio: of the vibrations; one number, or a list for those
-    that move the struck point. in_plane: "fixed" or "free", whether the edges are held in the plane; without,
-    membrane forces are not simulated. position: of the impact, distances from a corner along the two sides, m; default
-    the centre. static_stiffness: force over deflection at that point, N/m; default from plate theory.
+    foundation_stiffness: of an elastic bed, N/m³. damping_ratio: of the vibrations; one number, a list for those that
+    move the struck point, or pairs with frequencies. in_plane: "fixed" or "free", whether the edges are held in the
+    plane; without, membrane forces are not simulated. position: of the impact, distances from a corner along the two
+    sides, m; default the centre. static_stiffness: force over deflection at that point, N/m; default from plate theory.
     impedance_formula: "exact", or "paper" to reproduce published results. sensors: points to follow. radius: of the
     surface, m.
 
@@ -101,7 +103,7 @@ class Plate(AbstractTarget):
     edges: Edge | tuple[Edge, Edge, Edge, Edge] = entry(EDGES)
     edge_stiffness: float | tuple[float, float, float, float] | None = entry(EDGE_STIFFNESS)
     foundation_stiffness: float | None = entry(FOUNDATION)
-    damping_ratio: float | tuple[float, ...] | None = entry(DAMPING)
+    damping_ratio: Damping = entry(DAMPING)
     in_plane: Literal["fixed", "free"] | None = entry(IN_PLANE)  # pyright: ignore[reportIncompatibleVariableOverride]
     position: tuple[float, float] | None = entry(several(PLACE, 2))
     static_stiffness: float | None = entry(STATIC_STIFFNESS)
@@ -124,7 +126,7 @@ class Plate(AbstractTarget):
         layup: Sequence[PlyLike] | None = None,
         edge_stiffness: Value | Sequence[Value] | None = None,
         foundation_stiffness: Value | None = None,
-        damping_ratio: float | Sequence[float] | None = None,
+        damping_ratio: DampingLike = None,
         sensors: Sequence[Sensor | Mapping[str, Any]] | None = None,
         in_plane: Literal["fixed", "free"] | None = None,
     ) -> None:

@@ -15,7 +15,7 @@ from film_model.base.units import Value, format_si
 from film_model.targets.modes import Modes
 from film_model.targets.rod_modes import rod_compliance, rod_modes
 from film_model.targets.sensors import SENSORS, Sensor, points_of, sensor_mistakes
-from film_model.targets.supports import DAMPING, damped
+from film_model.targets.supports import DAMPING, Damping, DampingLike, damped
 from film_model.targets.target import LENGTH, RADIUS, AbstractTarget, Estimate, Impact, fill_target, missing
 
 _IMPEDANCE = measure("impedance", 1e-12, 1e18)
@@ -45,7 +45,7 @@ class Rod(AbstractTarget):
 
     material: name or table. diameter: m; or area: of the cross-section, m². length: m; without it no wave returns.
     far_end: "free", "fixed", or the impedance of what it is joined to, N·s/m. damping_ratio: of the vibrations; one
-    number or a list. sensors: points whose motion is wanted.
+    number, a list, or pairs with frequencies. sensors: points whose motion is wanted.
     radius: of a rounded end, m.
 
     >>> round(fm.Rod("mild steel", diameter="20 mm").impedance)  # N·s/m
@@ -61,7 +61,7 @@ class Rod(AbstractTarget):
     area: float | None = entry(measure("area", 1e-20, 1e10))
     length: float | None = entry(LENGTH)
     far_end: Literal["free", "fixed"] | float = entry(FAR_END)
-    damping_ratio: float | tuple[float, ...] | None = entry(DAMPING)
+    damping_ratio: Damping = entry(DAMPING)
     sensors: tuple[Sensor, ...] | None = entry(SENSORS)  # pyright: ignore[reportIncompatibleVariableOverride]
     radius: float = entry(RADIUS)
 
@@ -73,7 +73,7 @@ class Rod(AbstractTarget):
         length: Value | None = None,
         radius: Value | None = None,
         far_end: Literal["free", "fixed"] | Value = "free",
-        damping_ratio: float | Sequence[float] | None = None,
+        damping_ratio: DampingLike = None,
         sensors: Sequence[Sensor | Mapping[str, Any]] | None = None,
     ) -> None:
         mistakes = fill_target(self, locals())

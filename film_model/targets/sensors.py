@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 from typing import Any, cast
 
 from film_model.base.errors import Mistake, raise_all, shown
-from film_model.base.fields import Field, InUnits, build, entry, fill, measure, mistake, words
+from film_model.base.fields import Field, InUnits, build, entry, fill, items_of, measure, mistake, words
 from film_model.base.units import Value
 from film_model.targets.modes import Modes, Points
 
@@ -19,14 +19,13 @@ _PLACE = measure("length", 0, 1e5)
 
 
 def _read_position(value: object) -> tuple[float, ...]:
-    items = [value] if isinstance(value, str) or not isinstance(value, Sequence) else cast("Sequence[object]", value)
-    return tuple(_PLACE.read(item) for item in items)
+    return tuple(_PLACE.read(item) for item in items_of(value) or [value])
 
 
 def _read_shape(value: object) -> Any:
-    if isinstance(value, str) or not isinstance(value, Sequence):
+    if not (items := items_of(value)):
         return words("the name of a column of the modes file").read(value)
-    return tuple(measure("dimensionless", -1e15, 1e15).read(item) for item in cast("Sequence[object]", value))
+    return tuple(measure("dimensionless", -1e15, 1e15).read(item) for item in items)
 
 
 def _read_strain(value: object) -> Any:
@@ -104,8 +103,7 @@ def replaced(sensor: Sensor, shape: tuple[float, ...], strain: tuple[float, ...]
 def _read_sensors(value: object) -> tuple[Sensor, ...]:
     if isinstance(value, str) or not isinstance(value, Sequence):
         raise ValueError(f"{shown(value)} is not allowed: {SENSORS.need}")
-    items = cast("Sequence[Any]", value)
-    if not 1 <= len(items) <= MOST_SENSORS:
+    if not 1 <= len(items := cast("Sequence[Any]", value)) <= MOST_SENSORS:
         raise ValueError(f"there are {len(items)} sensors: 1 to {MOST_SENSORS} are allowed")
     found = tuple(item if isinstance(item, Sensor) else build(Sensor, item) for item in items)
     names = [sensor.name for sensor in found]

@@ -13,10 +13,11 @@ from film_model.base.errors import Mistake, raise_all, shown
 from film_model.base.fields import Field, entry, measure, mistake, words
 from film_model.base.materials import MATERIAL, Material, MaterialLike
 from film_model.base.units import Value, array_to_si, needed
-from film_model.targets.modes import Array, Modes, pulse_response
+from film_model.targets.modes import Modes, pulse_response
 from film_model.targets.sensors import SENSORS, Sensor, replaced
 from film_model.targets.structure_file import MOST_LISTED, read_structure
-from film_model.targets.supports import DAMPING, damped
+from film_model.targets.supports import DAMPING, Damping, DampingLike, damped
+from film_model.targets.surface_strain import Rows
 from film_model.targets.target import RADIUS, AbstractTarget, Estimate, Impact, fill_target, no_effect
 
 HERTZ = 2.0 * math.pi
@@ -57,10 +58,9 @@ class Structure(AbstractTarget):
 
     material: of the surface that is struck, name or table. file: of the vibrations, CSV or netCDF (`read_structure`);
     or frequency: of each vibration, Hz; 0 is a motion of the whole structure; and modal_mass: of each vibration, kg, if
-    its shape is 1 at the struck point.
-    damping_ratio: one number, or a list by ascending frequency; replaces that of the file. static_compliance:
-    deflection over force at the struck point, m/N; default that of the vibrations together. A structure that is not
-    held: without its motion as a whole. sensors: points whose
+    its shape is 1 at the struck point. damping_ratio: one number, a list by ascending frequency, or pairs with
+    frequencies; replaces that of the file. static_compliance: deflection over force at the struck point, m/N; default
+    that of the vibrations together. A structure that is not held: without its motion as a whole. sensors: points whose
     motion is wanted. radius: of a curved surface, m.
 
     >>> fm.Structure(frequency=["180 Hz", "410 Hz"], modal_mass=["0.9 kg", "1.4 kg"]).frequency
@@ -73,7 +73,7 @@ class Structure(AbstractTarget):
     file: str | None = entry(Field(words("the path of a file").read, "the path of a file is needed"))
     frequency: tuple[float, ...] = entry(_list_of("frequency", 1e-9, 1e12, zero=True))
     modal_mass: tuple[float, ...] = entry(_list_of("mass", 1e-28, 1e60, zero=False))
-    damping_ratio: float | tuple[float, ...] | None = entry(DAMPING)
+    damping_ratio: Damping = entry(DAMPING)
     static_compliance: float | None = entry(measure("compliance", 1e-18, 1e12))
     sensors: tuple[Sensor, ...] | None = entry(SENSORS)  # pyright: ignore[reportIncompatibleVariableOverride]
     radius: float = entry(RADIUS)
@@ -84,7 +84,7 @@ class Structure(AbstractTarget):
         material: MaterialLike | None = None,
         frequency: Sequence[Value] | Value | None = None,
         modal_mass: Sequence[Value] | Value | None = None,
-        damping_ratio: float | Sequence[float] | None = None,
+        damping_ratio: DampingLike = None,
         static_compliance: Value | None = None,
         radius: Value | None = None,
         sensors: Sequence[Sensor | Mapping[str, Any]] | None = None,
@@ -199,9 +199,9 @@ class Structure(AbstractTarget):
         """The given vibrations up to the frequency `highest` [rad/s]."""
         return damped(self._all.below(highest), self.damping_ratio)
 
-    def strains(self, rows: Array) -> Array:
-        """The strain of each column as strain_x; strain_y and the stress are not known."""
-        return np.stack([rows, *np.full((2, *rows.shape), np.nan)])
+    def strains(self, rows: Rows) -> Rows:
+        """The strain of each column as strain_x; strain_y and the stresses are not known."""
+        return np.stack([rows, *np.full((4, *rows.shape), np.nan)])  # pyright: ignore[reportReturnType]
 
     def omitted(self, modes: Modes, highest: float) -> float:
         """Static compliance of the vibrations above `highest` [rad/s], m/N: their sum.

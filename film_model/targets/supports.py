@@ -2,22 +2,21 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
-from dataclasses import replace
-from typing import Any, cast
+from dataclasses import dataclass, replace
+from typing import Any, ClassVar, TypeAlias
 
 import numpy as np
 
 from film_model.base.errors import Mistake, shown
-from film_model.base.fields import Field, choice, measure, mistake
+from film_model.base.fields import Field, choice, items_of, measure, mistake
+from film_model.base.pairs import AbstractTable, write_table
 from film_model.targets.modes import Modes
 
 SUPPORTS = "simply supported", "clamped", "free"
 
 Edges = tuple[str, str, str, str]
-
-MOST_DAMPED = 100_000
-"""Most values of a list of damping ratios."""
 
 
 def one_or(count: int, field: Field) -> Field:
@@ -25,9 +24,8 @@ def one_or(count: int, field: Field) -> Field:
     need = f"{field.need}, or a list of {count}"
 
     def read(value: object) -> Any:
-        if isinstance(value, str) or not isinstance(value, Sequence):
+        if not (items := items_of(value)):
             return field.read(value)
-        items = cast("Sequence[object]", value)
         if len(items) != count:
             raise ValueError(f"{shown(value)} has {len(items)} values: {need}")
         found = tuple(field.read(item) for item in items)
@@ -42,18 +40,42 @@ EDGE_STIFFNESS = one_or(4, measure("stiffness_per_length", 0, 1e18))
 FOUNDATION = measure("stiffness_per_area", 0, 1e18)
 
 
-def _read_ratio(value: object) -> Any:
-    if isinstance(value, str) or not isinstance(value, Sequence):
+_RATIO = measure("dimensionless", 0, 0.999)
+
+
+@dataclass(frozen=True, repr=False)
+class DampingTable(AbstractTable):
+    """ζ over the natural frequency, Hz, by lines over its logarithm."""
+
+    PAIR: ClassVar[tuple[Field, Field]] = measure("frequency", 1e-9, 1e12), _RATIO
+    NEED: ClassVar[str] = (
+        "a damping ratio (e.g. 0.01), a list with one for each vibration, or a list of at least two pairs "
+        '[frequency, ratio] as ["1 kHz", 0.01] is needed'
+    )
+
+    def at(self, x: Any) -> Any:
+        """ζ at frequencies > 0, Hz."""
+        frequency, ratio = np.array(self.rows).T
+        return np.interp(np.log(x), np.log(frequency), ratio)
+
+
+Damping: TypeAlias = float | tuple[float, ...] | DampingTable | None
+DampingLike: TypeAlias = float | Sequence[float] | Sequence[Sequence[Any]] | DampingTable | None
+
+
+def _read_damping(value: object) -> Damping:
+    if isinstance(value, DampingTable) or any(items_of(item) for item in items_of(value)):
+        return DampingTable.read(value)
+    if not (items := items_of(value)):
         return _RATIO.read(value)
-    items = cast("Sequence[object]", value)
-    if not 1 <= len(items) <= MOST_DAMPED:
-        raise ValueError(f"{shown(value)} has {len(items)} values: 1 to {MOST_DAMPED} are allowed")
+    if len(items) > DampingTable.MOST:
+        raise ValueError(f"{shown(value)} has {len(items)} values: 1 to {DampingTable.MOST} are allowed")
     return tuple(_RATIO.read(item) for item in items)
 
 
-_RATIO = measure("dimensionless", 0, 0.999)
-DAMPING = Field(_read_ratio, "a damping ratio (e.g. 0.01), or a list with one for each vibration, is needed")
-"""ζ of every vibration; or a list by ascending frequency of those that move the struck point, the last for the rest."""
+DAMPING = Field(_read_damping, DampingTable.NEED, write=write_table)
+"""ζ of every vibration; a list by ascending frequency of those that move the struck point, the last for the rest; or a
+table."""
 
 
 def four(value: Any) -> Any:
@@ -61,14 +83,17 @@ def four(value: Any) -> Any:
     return value if isinstance(value, tuple) else (value,) * 4
 
 
-def damped(modes: Modes, ratio: float | tuple[float, ...] | None) -> Modes:
+def damped(modes: Modes, ratio: Damping) -> Modes:
     """The modes with given damping ratios; motions of frequency 0 have none."""
     if ratio is None:
         return modes
-    given = np.atleast_1d(np.asarray(ratio, dtype=np.float64))
-    flexible = modes.frequency > 0.0
-    place = np.minimum(np.cumsum(flexible) - 1, given.size - 1)
-    return replace(modes, damping_ratio=np.where(flexible, given[place], 0.0))
+    flexible, found = modes.frequency > 0.0, np.zeros(modes.frequency.size)
+    if isinstance(ratio, DampingTable):
+        found[flexible] = ratio.at(modes.frequency[flexible] / (2.0 * math.pi))
+    else:
+        given = np.atleast_1d(np.asarray(ratio, dtype=np.float64))
+        found[flexible] = given[np.minimum(np.arange(flexible.sum()), given.size - 1)]
+    return replace(modes, damping_ratio=found)
 
 
 def spring_mistakes(owner: object, springs: tuple[float, ...], edges: Edges) -> list[Mistake]:

@@ -27,7 +27,7 @@ from film_model.base.fields import InUnits, fill, measure, mistake
 from film_model.base.materials import Material
 from film_model.targets.modes import Array, Modes
 from film_model.targets.sensors import Sensor
-from film_model.targets.surface_strain import surface_strains
+from film_model.targets.surface_strain import Rows, surface_strains
 
 RADIUS = measure("length", 1e-10, 1e3)
 LENGTH = measure("length", 1e-10, 1e5)
@@ -219,10 +219,9 @@ class AbstractTarget(InUnits, ABC):
         `membrane_forms`."""
         raise SimulationError(f"the membrane forces of a {self.kind} are not known")
 
-    def strains(self, rows: Array) -> Array:
-        """strain_x, strain_y and bending stress, Pa, (3, sensors, times), of the sensors with strain, NaN if unknown.
-
-        rows: what the rows of `Modes.strain` make of the vibrations, (rows, times).
+    def strains(self, rows: Rows) -> Rows:
+        """strain_x, strain_y and the stresses σ_x, σ_y and τ_xy, Pa, (5, sensors, times), of the sensors with strain,
+        NaN if unknown. rows: what the rows of `Modes.strain` make of the vibrations, (rows, times); may be complex.
         """
         return surface_strains(self, rows)
 

@@ -1,7 +1,7 @@
 """Law elastoplastic and the published impacts of two bodies that yield: `python examples/finite_elements/fit_pairs.py`.
 
-Prints the constant by which the harder body yields, too, as these impacts give it, then the errors of the law with that of
-film_model/laws/elastoplastic.py and of the same law with a rigid body in place of the harder one.
+Prints the constant by which the harder body yields, too, as these impacts give it, then the errors of the law with that
+of film_model/laws/elastoplastic.py, and of the same law with a rigid body in place of the harder one.
 """
 
 import numpy as np

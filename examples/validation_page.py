@@ -106,6 +106,9 @@ Two rebounds of an alumina ball at 10 m/s (`{last}`) came after every choice. Th
 errors of {last_rate} % with the rate alone, {last_slow} % without it, {last_both} % with rate and
 hardening. {last_inside} of the two lie in intervals of the other sources; those below are made with them.
 
+Signed medians of rebounds, with the rate alone and with hardening too: {soft_rebounds} % of steels below
+{soft_steel:.0f} HV, {hard_rebounds} % of harder ones.
+
 More than 10 % wrong with complete conditions: {misses}.
 
 "By name" takes the steel of the catalogue with the nearest Vickers hardness: none from {gap} HV, where {between}
@@ -317,6 +320,14 @@ def rebounds(rows: Iterable[Row]) -> str:
     return " and ".join(f"{100 * predict(AUTO, row).error:+.1f}" for row in rows)
 
 
+def biases(rows: Iterable[Row]) -> str:
+    """Signed medians of the errors of law "auto" without and with hardening, percent."""
+    plain = list(rows)
+    groups = plain, [row.hardening for row in plain]
+    found = (Spread.of(predict(AUTO, row) for row in group).bias for group in groups)
+    return " and ".join(f"{100 * bias:+.1f}" for bias in found)
+
+
 def page() -> tuple[str, list[LawReport]]:
     """The page, and the reports for the picture."""
     ds = fd.load("measured_impacts")
@@ -334,6 +345,7 @@ def page() -> tuple[str, list[LawReport]]:
     without, (met, known) = coverage(soft), within_input(rows)
     inputs, hardness = inputs_of(rows), list(steels().values())
     last = [row for row in usable if row.source == LAST]
+    bounced = [row for row in usable if row.hardness is not None and row.quantity == REBOUND]
     low, high = max(itertools.pairwise(hardness), key=lambda ends: ends[1] / ends[0])
     flows = ", ".join(f"{flow_of(name) / 1e6:.0f}" for name in JOHNSON_COOK)
     heads = list(shown_groups(reports))
@@ -359,6 +371,8 @@ def page() -> tuple[str, list[LawReport]]:
         last=LAST, last_rate=rebounds(last), last_slow=rebounds(row.with_rate(None) for row in last),
         last_both=rebounds(row.hardening for row in last),
         last_inside=coverage_from_others(found, found, LAST).inside,
+        soft_rebounds=biases(row for row in bounced if (row.hardness or 0.0) < SOFT),
+        hard_rebounds=biases(row for row in bounced if (row.hardness or 0.0) >= SOFT),
         highest=f"{100 * max(p.error for p in inputs[ROUGH]):.0f}",
         heads=" | ".join(heads), lines="---|" * len(heads),
         laws=law_rows(reports),

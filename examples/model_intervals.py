@@ -111,14 +111,15 @@ def coverage(found: Iterable[Prediction]) -> Coverage:
 
 def coverage_of_new_sources(found: Sequence[Prediction]) -> Coverage:
     """Of the held-out rows, how many lie in an interval from the other sources, as for a source not yet seen."""
-    parts = [
-        _covered(
-            (one for one in found if one.row.held_out and one.row.source == source),
-            by_family(residuals([one for one in found if one.row.source != source])),
-        )
-        for source in dict.fromkeys(one.row.source for one in found)
-    ]
+    held = [one for one in found if one.row.held_out]
+    parts = [coverage_from_others(held, found, source) for source in dict.fromkeys(one.row.source for one in found)]
     return Coverage(sum(part.inside for part in parts), sum(part.rows for part in parts))
+
+
+def coverage_from_others(judged: Iterable[Prediction], found: Sequence[Prediction], source: str) -> Coverage:
+    """Of those judged rows that are of this source, how many lie in an interval from the other sources."""
+    others = by_family(residuals([one for one in found if one.row.source != source]))
+    return _covered((one for one in judged if one.row.source == source), others)
 
 
 def _covered(found: Iterable[Prediction], table: Table | None) -> Coverage:

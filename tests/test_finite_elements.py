@@ -115,7 +115,7 @@ def test_published_runs():
     every = publish.HELD_OUT_EVERY
     assert ds["held_out"].values.tolist() == [int(k % every == every - 1) for k in range(ds.sizes["run"])]
     assert np.abs(ds["energy_balance"].values).max() < 2e-3
-    assert ds["mesh_error"].values.max() < 1e-2
+    assert ds["mesh_error"].values.max() < 1.5e-2
     first = ds.isel(run=slice(0, len(run.TABLE)))
     assert first["velocity_ratio"].values.tolist() == list(run.TABLE)
     assert np.all(np.diff(first["coefficient_of_restitution"].values) < 0.0)
@@ -196,18 +196,18 @@ def test_published_pairs():
     ds = fd.load("finite_element_pairs")
     assert fd.validate(ds) == []
     assert np.abs(ds["energy_balance"].values).max() < publish.LARGEST_IMBALANCE
-    assert ds["mesh_error"].values.max() < 1e-2
+    assert ds["mesh_error"].values.max() < 1.5e-2
     designed = {(one.velocity, one.strengths, one.moduli): k for k, one in enumerate(pair.design())}
     columns = (ds[name].values for name in ("velocity_ratio", "strength_ratio", "modulus_ratio"))
     index = np.array([designed[tuple(row)] for row in np.column_stack([*columns]).tolist()])
-    assert (np.diff(index) > 0).all() and pair.DESIGNED - index.size <= 5
+    assert (np.diff(index) > 0).all() and index.size == pair.DESIGNED
     every = publish.HELD_OUT_EVERY
     assert ds["held_out"].values.tolist() == (index % every == every - 1).tolist()
 
 
 PAIRS = {  # median and 90th percentile of the errors of pairs that the law is not fitted to, and largest of all
-    "coefficient_of_restitution": (0.005, 0.02, 0.024),
-    "largest_force": (0.014, 0.023, 0.039),
+    "coefficient_of_restitution": (0.005, 0.015, 0.021),
+    "largest_force": (0.014, 0.023, 0.028),
     "largest_depth": (0.005, 0.01, 0.015),
     "largest_radius": (0.005, 0.017, 0.023),
     "residual_depth": (0.009, 0.017, 0.035),
@@ -225,9 +225,13 @@ def test_two_bodies_that_yield_against_the_law():
 
 
 @pytest.mark.slow
-def test_the_constant_of_two_bodies_is_the_fitted_one():
-    best, _, _ = fit_pairs.main()
-    assert astuple(best) == pytest.approx(astuple(FITTED), rel=2e-3)
+def test_the_constant_of_two_bodies_is_as_good_as_the_fitted_one():
+    """It was fitted to the same impacts on a coarser mesh."""
+    best, _, found = fit_pairs.main()
+    refitted = fit.errors(fd.load("finite_element_pairs"), best)
+    for name, values in found.items():
+        assert np.abs(refitted[name] - values).max() < 6e-3, name
+        assert np.abs(values).max() < np.abs(refitted[name]).max() + 3e-3, name
 
 
 def test_pairs_without_hardening_are_simulated_by_the_law():

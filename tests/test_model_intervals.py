@@ -114,7 +114,7 @@ def test_an_interval_is_the_value_times_the_residuals():
     low, high, said = history.interval(E)
     own = residuals_of(ABOVE, E)
     kind = "steel of known hardness beyond 50 yield velocities"
-    assert said == f"{own.rows} measurements of {kind}; so few cover 89 % of the next"
+    assert said == f"{own.rows} measurements of {kind}"
     assert low.magnitude == pytest.approx(history.summary[E] * math.exp(own.low))
     assert high.magnitude == pytest.approx(history.summary[E] * math.exp(own.high))
     assert history.interval("dent_diameter") is None, "fewer than 9 rows"

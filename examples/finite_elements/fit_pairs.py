@@ -1,7 +1,7 @@
 """Law elastoplastic and the published impacts of two bodies that yield: `python examples/finite_elements/fit_pairs.py`.
 
-Prints the constant of film_model/laws/elastoplastic.py by which the harder body yields, too, then the errors of the law
-and of the same law with a rigid body in place of the harder one.
+Prints the constant by which the harder body yields, too, as these impacts give it, then the errors of the law with that
+of film_model/laws/elastoplastic.py, and of the same law with a rigid body in place of the harder one.
 """
 
 import numpy as np
@@ -12,11 +12,11 @@ from film_model.laws.elastoplastic import Constants
 
 
 def main() -> tuple[Constants, Arrays, Arrays]:
-    """Print constant and errors; return the constants, the errors with a rigid body and those of the law."""
+    """Print constant and errors; return the fitted constants, the errors with a rigid body and those of the law."""
     ds = fd.load("finite_element_pairs")
     best, held = fitted(ds, [OF_PAIRS]), ds["held_out"].values == 1
     print(f"    {OF_PAIRS}: float = {getattr(best, OF_PAIRS)}")
-    both = errors(ds.drop_vars("strength_ratio"), best), errors(ds, best)
+    both = errors(ds.drop_vars("strength_ratio")), errors(ds)
     for title, found in zip(("harder body rigid", "law"), both, strict=True):
         print(f"{title}: median, 90th percentile and largest |error|, fitted and held out")
         for name, values in found.items():

@@ -5,9 +5,10 @@
  * Nodes of the flat surface do not enter the segments of the ball's: impulses by Gauss and Seidel's iteration conserve
  * momentum. The inertia of the half-spaces is not the question, as in impact.c. Lengths are in ball radii, stresses in Y.
  *
- *     pair E nu n Y E nu n Y mass velocity element fine growth extent hourglass
+ *     pair E nu n Y E nu n Y mass velocity element fine growth extent hourglass courant
  *
- * first the ball's E, nu, n and Y, then those of the half-space; the rest and what is printed are those of impact.c. */
+ * first the ball's E, nu, n and Y, then those of the half-space, courant: step over the critical one; the rest and what is
+ * printed are those of impact.c. */
 
 #include <math.h>
 #include <stdio.h>
@@ -17,7 +18,7 @@
 
 enum { STEPS_OF_A_RECORD = 8, STEPS_OF_A_LIMIT = 10, QUIET_STEPS = 500, SWEEPS = 40 };
 
-static const double COURANT = 0.8, CAP = 0.6, CLOSED = 1e-7; /* CLOSED: overlap left, over the finest element's size */
+static const double CAP = 0.6, CLOSED = 1e-7; /* CLOSED: overlap left, over the finest element's size */
 
 typedef struct {
     Mesh mesh;
@@ -138,7 +139,7 @@ static double contact(Half *ball, Half *flat, double depth, double dt, int *touc
     return force;
 }
 
-static void strike(Half *ball, Half *flat, double mass, double speed)
+static void strike(Half *ball, Half *flat, double mass, double speed, double courant)
 {
     const double first = 0.5 * mass * speed * speed;
     double depth = 0.0, velocity = speed, time = 0.0, last = 0.0, impulse = 0.0, since = 0.0, kinetic = 0.0, dt = 0.0;
@@ -146,7 +147,7 @@ static void strike(Half *ball, Half *flat, double mass, double speed)
     int farthest = -1, quiet = 0;
     for (long step = 0; quiet < QUIET_STEPS; step++) {
         if (step % STEPS_OF_A_LIMIT == 0) {
-            dt = COURANT * fmin(critical_step(&ball->mesh), critical_step(&flat->mesh));
+            dt = courant * fmin(critical_step(&ball->mesh), critical_step(&flat->mesh));
         }
         kinetic = move_nodes(ball, dt) + move_nodes(flat, dt);
         depth += dt * velocity;
@@ -177,9 +178,9 @@ static void strike(Half *ball, Half *flat, double mass, double speed)
 
 int main(int count, char **words)
 {
-    double option[15];
-    if (count != 16) {
-        fputs("usage: pair E nu n Y E nu n Y mass velocity element fine growth extent hourglass\n", stderr);
+    double option[16];
+    if (count != 17) {
+        fputs("usage: pair E nu n Y E nu n Y mass velocity element fine growth extent hourglass courant\n", stderr);
         return 1;
     }
     for (int k = 1; k < count; k++) {
@@ -188,6 +189,6 @@ int main(int count, char **words)
     const double wave = fmin(option[0] / option[3], option[4] / option[7]), *mesh = option + 10;
     Half ball = half_of(option, mesh[0], (int)mesh[1], mesh[2], mesh[3], mesh[4], wave, 1);
     Half flat = half_of(option + 4, mesh[0], (int)mesh[1], mesh[2], mesh[3], mesh[4], wave, 0);
-    strike(&ball, &flat, option[8], option[9]);
+    strike(&ball, &flat, option[8], option[9], mesh[5]);
     return 0;
 }

@@ -44,7 +44,7 @@ class Constants:
     stiffening_hardened: float = 0.603
     rounding: float = 0.1641  # of the exponent of unloading
     lateness: float = 0.2434
-    stays_elastic: float = 2.692  # s; of the harder of two bodies, as fit_pairs.py prints it
+    stays_elastic: float = 2.692  # s; of the harder of two bodies; see docs/finite_elements.md
 
     def beyond(self, w: Any) -> Any:
         """1 + ((w − 1)/onset)²: Hertz's value and slope at first yield."""

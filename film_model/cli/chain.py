@@ -14,9 +14,6 @@ if TYPE_CHECKING:
 MOST_ROWS = 8
 """Rows of a table without --verbose, half of them at its end."""
 
-ROUNDING, CONSERVED = 1e-11, 1e-12
-"""Parts of the energy of all bodies: absorbed energies below it are shown as 0; a smaller balance is not told apart."""
-
 NOT_FOR_CHAINS = ("strobe", "segments", "linearisation", "derivatives")
 
 
@@ -55,7 +52,7 @@ def _text(motion: ChainMotion, verbose: bool) -> str:
     parts = {"before": energy.kinetic_before, "after": energy.kinetic_after, "absorbed": energy.absorbed}
     parts |= {"of weight": energy.weight} if motion.chain.gravity else {}
     lines += ["", "  energy  " + ", ".join(f"{name} {_cell(value, 'energy', whole)}" for name, value in parts.items())]
-    within = f"balance of energy within {max(abs(energy.error) / whole, CONSERVED):.0e}"
+    within = f"balance of energy within {max(abs(energy.error) / whole, 1e-12):.0e}"
     lines.append(f"  {within}; estimated relative error ≤ {motion.estimated:.1e}")
     return "\n".join(lines)
 
@@ -66,7 +63,7 @@ def _cell(value: float | None, dimension: str, energy: float) -> str:
 
     if value is None:
         return "-"
-    return format_si(0.0 if dimension == "energy" and abs(value) < ROUNDING * energy else value, dimension, 5)
+    return format_si(0.0 if dimension == "energy" and abs(value) < 1e-11 * energy else value, dimension, 5)
 
 
 def _head(name: str) -> str:

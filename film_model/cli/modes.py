@@ -7,9 +7,6 @@ from typing import Any
 
 from film_model.cli.output import DONE, add_force, check_writable, print_warnings, print_written
 
-COUPLED = 0.1
-"""Coupling of vibrations by damping from which there is a warning."""
-
 
 def add_commands(named: Any) -> None:
     """The command and its options."""
@@ -55,7 +52,7 @@ def modes(options: argparse.Namespace) -> int:
         print(f"static compliance {found.static_compliance:.6g} m/N")
     print_written(options.output)
     told = f"damping couples vibrations by up to {found.coupling:.2g} of their own: this is neglected"
-    print_warnings([told] if found.coupling > COUPLED else [])
+    print_warnings([told] if found.coupling > 0.1 else [])
     return DONE
 
 

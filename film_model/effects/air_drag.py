@@ -15,9 +15,6 @@ AIR_DENSITY, AIR_VISCOSITY = 1.204, 1.813e-5
 NEWTON = 0.44
 """Drag coefficient of a sphere from a Reynolds number of 1000 up to 200,000."""
 
-ROUNDS = 60
-"""Of the iteration for the terminal velocity: each halves the error or better, since C_d falls at most as 1/Re."""
-
 
 def air_drag(case: Case, rule: Rule) -> Effect:
     """Drag of the air on a ball that falls from drop_height.
@@ -44,7 +41,7 @@ def terminal_velocity(mass: float, radius: float) -> float:
     """Velocity at which the drag of air holds the weight of a sphere, m/s."""
     found = math.sqrt(2.0 * mass * STANDARD_GRAVITY / (AIR_DENSITY * NEWTON * math.pi * radius**2))
     weighed = found**2 * NEWTON
-    for _ in range(ROUNDS):
+    for _ in range(60):  # each halves the error or better, since C_d falls at most as 1/Re
         reynolds = 2.0 * AIR_DENSITY * radius * found / AIR_VISCOSITY
         found = math.sqrt(found * math.sqrt(weighed / _drag_coefficient(reynolds)))
     return found

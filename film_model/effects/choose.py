@@ -37,9 +37,6 @@ from film_model.problem.law_of_scene import DAMPED, SceneLaw, laws_of
 from film_model.problem.problem import Impacts, Problem
 from film_model.scene import Scene
 
-SMALL_WEIGHT = 0.1
-"""Weight over the largest force, below which an impactor that stays on the target has made an impact first."""
-
 _ORDER = {name: k for k, name in enumerate(COMPUTED)}
 
 
@@ -126,7 +123,8 @@ class Choice:
     def _ending(self) -> Problem:
         """The impact without vibrations; without its weight, if that is small and keeps the impactor on the target."""
         tried = self.yielding if self.decided[2] else plasticity.elastic(self.yielding)
-        if tried.trial.ends or not 0.0 < tried.load < SMALL_WEIGHT * tried.trial.summary.maximum_force:
+        # an impactor that stays on the target has made an impact first where its weight is far below the largest force
+        if tried.trial.ends or not 0.0 < tried.load < 0.1 * tried.trial.summary.maximum_force:
             return tried
         return tried.again(load=0.0)
 

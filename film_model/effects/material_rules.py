@@ -37,9 +37,6 @@ HOT = 300.0
 """Rise of temperature above which the heating is warned of, K: by Johnson & Cook's (ΔT/1500 K)^1.03 of 4340 steel, it
 takes a fifth of the strength."""
 
-SOFT = 5e9
-"""Young's modulus below which a material is a plastic, rubber or foam, whose losses no impact is without, Pa."""
-
 
 def adhesion(case: Case, rule: Rule) -> Effect:
     """Work to separate the surfaces: the restitution falls.
@@ -98,7 +95,8 @@ def material_damping(case: Case, rule: Rule) -> Effect:
         return rule.absent("the effect viscoelasticity accounts for it: both materials have a prony series")
     known = {part: m for part, m in bodies.items() if m is not None and (m.loss_factor is not None or part in relaxing)}
     missing = [part for part in bodies if part not in known]
-    polymer = [part for part in missing if (m := bodies[part]) is not None and m.youngs_modulus < SOFT]
+    # softer than 5 GPa: a plastic, rubber or foam, whose losses no impact is without
+    polymer = [part for part in missing if (m := bodies[part]) is not None and m.youngs_modulus < 5e9]
     if polymer:
         return rule.failing(
             f"the loss factor of the {polymer[0]}, as soft as a polymer, is not known, so the restitution is too high: "

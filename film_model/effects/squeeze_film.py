@@ -14,9 +14,6 @@ ELASTIC = 0.37
 """Least gap over ((μ V/E)² R³)^{1/5}, in which the pressure of the fluid flattens the bodies: Yang & Hunt 2008, as
 Nijssen, Ottens & Padding 2022 (Powder Technol. 413:118017) use it."""
 
-NO_REBOUND = 10.0
-"""Stokes number up to which Joseph et al. 2001 (J. Fluid Mech.) saw no rebound from a wall in a liquid."""
-
 
 class Film(NamedTuple):
     """Stokes number, least gap in m, and the share of the rebound velocity that the film takes, at most 1."""
@@ -66,7 +63,8 @@ def squeeze_film(case: Case, rule: Rule) -> Effect:
     )
     by = "the roughness" if height and gap == height else "elastic flattening"
     why = f"the fluid is squeezed out up to a gap of {format_si(gap, 'length', 3)}, where {by} ends it"
-    if stokes <= NO_REBOUND:
+    # Joseph et al. 2001 (J. Fluid Mech.) saw no rebound from a wall in a liquid
+    if stokes <= 10.0:
         why += "; no ball has been seen to rebound in a liquid below a Stokes number of about 10"
     threshold = stokes * share / case.tolerance if share < 1.0 else None
     return rule.sized(case.tolerance, stokes, threshold, share, why, below=True)

@@ -24,8 +24,6 @@ _RATIO, _KNOTS = 4.0, 30
 """Of the indentation between pieces of the elastic force, and their least number: up to p_y π R/(2 E a_c) = 1e7 all
 laws have the same pieces, so that sweeps share them."""
 
-_NEWTON = 12
-
 
 @dataclass(frozen=True)
 class _Plastic:
@@ -37,7 +35,7 @@ class _Plastic:
     def radius(self) -> Any:
         """α_y = u², u³ − P u − 2/3 = 0, by Newton's method from above: the cubic is convex there."""
         u = self.pressure**0.5 + 1.0
-        for _ in range(_NEWTON):
+        for _ in range(12):
             square = u * u
             u = u - (u * (square - self.pressure) - 2.0 / 3.0) / (3.0 * square - self.pressure)
         return u * u

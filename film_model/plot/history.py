@@ -56,15 +56,6 @@ LINES = VELOCITIES | DISPLACEMENTS
 MOST_MARKED = 12
 """Beyond so many events only those at which contact begins and ends are marked."""
 
-MOST_STEPS = 5000
-"""Up to so many steps in contact each is sampled at its beginning and middle, too."""
-
-MOST_NAMED = 6
-"""Up to so many sensors have their names above their panel."""
-
-WEAKEST = 1e-6
-"""Least energy in the spectrum, over the largest."""
-
 ABOVE: dict[str, Any] = {
     **{"loc": "lower right", "bbox_to_anchor": (1.0, 1.01), "ncols": 3, "borderaxespad": 0.0},
     **{"fontsize": 8, "frameon": False},
@@ -100,7 +91,8 @@ class Trace:
         """The whole contact at evenly spaced times and at all events."""
         scene, vibration = history.scene, history.vibration
         times = [np.linspace(0.0, history.duration, SAMPLES), [event.time for event in history.events]]
-        if vibration is not None and len(vibration.segments) <= MOST_STEPS:
+        # so many steps in contact are sampled at their beginning and middle, too
+        if vibration is not None and len(vibration.segments) <= 5000:
             begin, step = (vibration.segments[name] for name in ("time", "h"))
             times += [begin, (begin + 0.5 * step)[step < np.inf]]
         samples = history.sample_si(np.unique(np.concatenate(times)))
@@ -224,10 +216,6 @@ def friction_over_time(history: History) -> tuple[Any, Any, Any] | None:
     return t, force, mu * history.sample_si(t).contact_force
 
 
-NARROWEST = 20.0
-"""Least ratio of the ends of the spectrum's axis of energy, so that powers of ten stand there."""
-
-
 def _work(force: Any, displacement: Any) -> Any:
     return np.concatenate([[0.0], np.cumsum(0.5 * (force[1:] + force[:-1]) * np.diff(displacement))])
 
@@ -261,19 +249,20 @@ def _sensors(panel: Axes, trace: Trace) -> None:
     for k, (name, values) in enumerate(trace.sensed.items()):
         panel.plot(trace.samples.time / x_size, values / size, color=COLOURS[k % len(COLOURS)], label=plain(name))
     panel.set(xlabel=f"time ({x_unit})", ylabel=f"sensors ({unit.replace('^2', '²')})")
-    if len(trace.sensed) <= MOST_NAMED:
+    if len(trace.sensed) <= 6:
         panel.legend(**ABOVE)
 
 
 def _spectrum(panel: Axes, frequency: Any, energy: Any) -> None:
     """The energy of each vibration at the end over its frequency; of a motion as a whole, in words."""
     whole, total = float(energy[frequency == 0.0].sum()), float(energy.sum())
-    bends = (frequency > 0.0) & (energy > WEAKEST * energy.max(initial=0.0))
+    bends = (frequency > 0.0) & (energy > 1e-6 * energy.max(initial=0.0))
     frequency, energy = frequency[bends], energy[bends]
     size, unit = prefixed_unit(energy, "energy")
     panel.set(xscale="log", yscale="log", xlabel="frequency (kHz)", ylabel=f"energy ({unit})")
     if frequency.size:
-        least = min(0.5 * float(energy.min()), float(energy.max()) / NARROWEST) / size
+        # the axis of energy has powers of ten
+        least = min(0.5 * float(energy.min()), float(energy.max()) / 20.0) / size
         if frequency.size == 1:
             panel.set_xlim(*(factor * float(frequency[0]) / 1e3 for factor in (0.1, 10.0)))
         panel.vlines(frequency / 1e3, least, energy / size, color=COLOURS[0], linewidth=0.8)

@@ -28,11 +28,6 @@ from film_model.problem.scales import Scales, motion_of, scales_from, scales_of
 from film_model.scene import Scene
 from film_model.scene.columns import scene_of_columns
 
-CONTACT_LIMIT = 100.0
-"""A contact under a load or of a law that pulls, which may never end, is followed for this many elastic contact times
-and times m/Z."""
-
-
 TRIAL_SEGMENTS = 16
 """Segments per stage of the trial march. Its relative errors, about 1e-5, are similar with and without an effect."""
 
@@ -379,7 +374,7 @@ def _at(value: Any, places: Any) -> Any:
 
 def contact_limit(approach: Any, gamma: Any) -> Any:
     """Time after which a contact under a load is no longer followed; an elastic contact takes about 3 ν^{-1/5}."""
-    return CONTACT_LIMIT * (3.0 * greater(approach, 1e-3) ** -0.2 + gamma)
+    return 100.0 * (3.0 * greater(approach, 1e-3) ** -0.2 + gamma)  # a hundred elastic contact times, and times m/Z
 
 
 def refuse_relaxation(problem: Problem, what: str) -> None:

@@ -10,10 +10,7 @@ from numpy.typing import NDArray
 
 from film_model.core import native
 
-LEAST_RISE = 0.002
-"""Of the coefficient of restitution over velocity, below which a rise is not reported."""
-
-_DEPTHS, _DEEPEST, _SEGMENTS = 160, 1e4, 24
+_DEPTHS, _SEGMENTS = 160, 24
 
 
 class Rise(NamedTuple):
@@ -33,7 +30,7 @@ def rises(curve: native.Curve, ratio: int) -> tuple[Rise, ...]:
     last = curve.stage[curve.stages - 1]
     if curve.stage[0].damped or curve.compliance > 0.0 or curve.pull > 0.0 or curve.stages == 1:
         return ()
-    depths = np.geomspace(curve.stage[0].end, min(last.end, _DEEPEST * curve.stage[0].end), _DEPTHS)
+    depths = np.geomspace(curve.stage[0].end, min(last.end, 1e4 * curve.stage[0].end), _DEPTHS)
     start: NDArray[Any] = np.zeros(_DEPTHS, native.START_DTYPE)
     start["nu"], start["stop_velocity"], start["time_limit"] = _speeds(curve, depths), -0.0, math.inf
     mesh = native.mesh(native.WORK_PRESERVING, _SEGMENTS, ratio * _SEGMENTS)
@@ -45,7 +42,7 @@ def rises(curve: native.Curve, ratio: int) -> tuple[Rise, ...]:
     up = np.flatnonzero(np.diff(restitution) > 1e-9)
     for run in np.split(up, np.flatnonzero(np.diff(up) > 1) + 1) if up.size else []:
         a, b = int(run[0]), int(run[-1]) + 1
-        if restitution[b] - restitution[a] > LEAST_RISE:
+        if restitution[b] - restitution[a] > 0.002:  # a smaller rise is not reported
             made.append(Rise(*(float(values[k]) for values in (restitution, nu, depth) for k in (a, b))))
     return tuple(made)
 

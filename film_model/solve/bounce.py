@@ -27,18 +27,8 @@ if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import Figure
 
-RESOLUTION = 1e-6
-"""Height of a bounce that is rest, over that from which the ball fell."""
-
 MOST_BOUNCES = 5_000
 """Reached where e stays above 0.9986, at the default resolution."""
-
-LOSSLESS = 1e-9
-"""A velocity that falls by a smaller part than this is rounding: rest would take more than 1e9 bounces."""
-
-MOST_SWINGS = 1000
-"""Swings in one contact after which the ball stays on a target that vibrates. On others it stays from the first on,
-since nothing adds energy."""
 
 LOW_BOUNCES = 10
 """A target that vibrates may throw the ball up after a low bounce: rest is so many low ones."""
@@ -176,7 +166,7 @@ def bounce_quietly(scene: Scene, *, resolution: Any = None, accuracy: float | No
     if scene.approach_velocity <= 0.0:
         raise SimulationError("the impactor has no velocity: give velocity or drop_height")
     fallen = 0.5 * scene.impactor.speed**2 / STANDARD_GRAVITY
-    least = RESOLUTION * fallen if resolution is None else units.to_si(resolution, "length", bare=True)
+    least = 1e-6 * fallen if resolution is None else units.to_si(resolution, "length", bare=True)
     if not 0.0 < least < fallen:
         raise ValueError(f"resolution: {least:g} m must be above 0 m and below the height of the fall, {fallen:g} m")
     component = ImpactComponent(_falling(scene), accuracy=accuracy)
@@ -245,7 +235,8 @@ class _Series:
             if low >= (LOW_BOUNCES if self._vibrates else 1):
                 least = format_si(self._least, "length", 3)
                 return f"at rest after {at}: bounce {count} is lower than {least}", True, ()
-            if not self._vibrates and -last.velocity_after >= last.velocity_before * (1.0 - LOSSLESS):
+            # a smaller loss is rounding: rest would take more than 1e9 bounces
+            if not self._vibrates and -last.velocity_after >= last.velocity_before * (1.0 - 1e-9):
                 outcome = f"never comes to rest: from contact {count} on the law loses no energy"
                 return outcome, False, (f"{outcome}{self._waves(last)}",)
         height = format_si(self._found[-1].height, "length", 3)
@@ -263,7 +254,8 @@ class _Series:
         while event is None or event.name != "contact_ends":
             event = self._event(before)
             swings += event is not None and event.name == "reloading_begins"
-            if event is None or swings > (MOST_SWINGS if self._vibrates else 0):
+            # only a target that vibrates adds energy: on others the ball stays from the first swing on
+            if event is None or swings > (1000 if self._vibrates else 0):
                 return Bounce(touch.time, before, 0.0, 0.0, component.largest_force, None, None)
             if event.name == "maximum_indentation":
                 self._deepest = max(self._deepest, event.indentation)

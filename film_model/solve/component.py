@@ -25,9 +25,6 @@ from film_model.solve.vibration import unused_options
 
 DEFAULT_SEGMENTS = (24, 48)  # used if the impactor starts at rest: there is no impact on which to try meshes
 
-MOST_EVENTS, MOST_WITH_FRICTION = 100_000, 4_000
-"""A step with more events raises an error after 1 to 6 s: a ball under a load may bounce for ever."""
-
 
 class Outputs(NamedTuple):
     """Motion at one time, SI; directions positive into the target. phase: one of `native.PHASES`."""
@@ -300,7 +297,8 @@ class ImpactComponent:
             motion.set_input(load, -change, -support / scales.velocity)
             self._load, self._support_velocity = load, support
         events, begun = list[Event](), list[tuple[float, str]]()
-        most = MOST_EVENTS if self._friction is None else MOST_WITH_FRICTION
+        # 1 to 6 s: a ball under a load may bounce for ever
+        most = 100_000 if self._friction is None else 4_000
         motion.renew_work()
         if self._friction is not None:
             self._friction.core.steps = 0

@@ -35,7 +35,7 @@ factor `STALLED`: the rest is rounding."""
 MESH_FACTOR = {"work-preserving": (1.6, 0.5), "chord": (2.4, 0.6)}
 """Bounds on the error of a derivative on n segments over the difference to 2n, and of 2n over the same."""
 
-FIRST_SEGMENTS, LEAST_SEGMENTS, MOST_SEGMENTS = 72, 4, 3072
+MOST_SEGMENTS = 3072
 """Segments per stage of the coarser of the first two meshes, for `TARGET` and at least; and at most."""
 
 KINK = 1e-7
@@ -177,8 +177,8 @@ class Meshes(NamedTuple):
         if solver.segments is not None:
             return cls((2 * solver.segments, solver.segments), of_coarse, math.inf)
         damping = max((float(np.max(problem.damping)) for problem in problems), default=0.0)
-        wanted = math.ceil(FIRST_SEGMENTS * (TARGET / target) ** 0.25)
-        n = int(first_segments(damping, max(wanted, LEAST_SEGMENTS)))
+        wanted = math.ceil(72 * (TARGET / target) ** 0.25)  # 72 segments for `TARGET`
+        n = int(first_segments(damping, max(wanted, 4)))
         return cls((n, 2 * n), of_fine, target)
 
 

@@ -17,7 +17,6 @@ DIGITS = 30
 """Decimal digits of the arithmetic; results have about ten fewer correct digits."""
 
 _COLUMNS = 14  # of the extrapolation
-_SECANTS = 60
 
 
 def impact(
@@ -237,7 +236,7 @@ class _Extended:
         g_high = function(self.step(state, h)[0])
         if g_low == 0:
             return low
-        for k in range(_SECANTS):
+        for k in range(60):
             at = high - g_high * (high - low) / (g_high - g_low) if k % 3 else (low + high) / 2
             g = function(self.step(state, at)[0])
             if (g > 0) == (g_low > 0):

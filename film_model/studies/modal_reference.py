@@ -24,13 +24,7 @@ from film_model.solve.vibration import Moment
 
 Array = NDArray[np.float64]
 
-MOST_WORK = 500_000_000
-"""Limit of a run, about fifteen seconds: the sum over evaluations of the force of (number of modes + 400)."""
-
 MOST_EVENTS = 10_000
-
-_LATE = 1e-3  # events are late by 1e-10 times this fraction of the depth: above rounding, invisible in samples
-_NEVER = -1e300  # velocity of the core's event "impactor stops", disabled because it is detected here
 
 
 class System(NamedTuple):
@@ -119,14 +113,15 @@ def integrate(
     if problem.law.damped:
         raise ValueError("damped laws on vibrating targets are not integrated")
     curve, load, count = curve_of(problem.law, rest).native, problem.load, frequency.size
-    state = native.initial_state(curve, native.Start(problem.approach, 0.0, load, _NEVER, math.inf))
+    # the velocity disables the core's event "impactor stops", which is detected here
+    state = native.initial_state(curve, native.Start(problem.approach, 0.0, load, -1e300, math.inf))
     drag, w, u = 2.0 * ratio * frequency + np.zeros(count), slice(3, 3 + count), slice(3 + count, 3 + 2 * count)
     law, evaluations = native.force_of(curve, state), 0
 
     def force(xi: float) -> float:
         nonlocal evaluations
         evaluations += 1
-        if evaluations * (count + 400) > MOST_WORK:
+        if evaluations * (count + 400) > 500_000_000:  # about fifteen seconds
             raise SimulationError(
                 f"integrating {count} modes takes too long (after {len(events)} events): use a coarser accuracy, "
                 "which needs fewer modes, or target_inertia = false in [effects]"
@@ -151,7 +146,8 @@ def integrate(
     def indicator(k: int) -> Any:
         def watch(_: float, y: Array) -> float:
             set_state(y)
-            return native.indicators(curve, state, _LATE * problem.approach)[k]
+            # events are late by 1e-13 of the depth: above rounding, invisible in samples
+            return native.indicators(curve, state, 1e-3 * problem.approach)[k]
 
         event: Any = watch
         event.terminal, event.direction = True, -1.0

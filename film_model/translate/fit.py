@@ -24,26 +24,14 @@ from film_model.studies.tangential_models import MODELS, groups, theory
 from film_model.translate.law import Engine, EngineLaw, Middle, Pair, Parameter, Values
 from film_model.translate.march import march
 
-COUNT = 9
-"""Velocities of a range."""
-
 COMPARED = {"force": "maximum_force", "duration": "contact_duration", "restitution": "coefficient_of_restitution"}
 """What is compared, and its name in the summary of an impact."""
-
-POINTS = 25
-"""ψ₁ at which models of friction are compared, up to 4χ, beyond which all slide."""
-
-RIGID_RATIO = 0.3
-"""Poisson's ratio given to an engine if the scene has none; only the effective modulus matters."""
 
 LEAST_RESTITUTION = 0.05
 """Slower rebounds are refused: near 0 an engine's law separates very late or not at all."""
 
 MOST_EVALUATIONS = 60
 """Evaluations of a fit; it needs 5 to 30."""
-
-FINEST = 1e-7
-"""The fit ends when the sum of squares falls by less than this fraction in an iteration."""
 
 _STEP = 1e-4
 """Relative step of the finite differences."""
@@ -131,7 +119,7 @@ class Translation:
 
 
 def contact_for(
-    engine: Engine, scene: Scene, velocity: Sequence[Any] = (), *, law: str | None = None, count: int = COUNT
+    engine: Engine, scene: Scene, velocity: Sequence[Any] = (), *, law: str | None = None, count: int = 9
 ) -> list[Translation]:
     """The engine's laws, or one of them, fitted to the scene's impacts; the closest first.
 
@@ -166,6 +154,7 @@ def pair_of(scene: Scene, velocity: float, depth: float) -> Pair:
     if friction is not None:
         kappa = groups(scene).ratio
         ratio = (2.0 * kappa - 2.0) / (2.0 * kappa - 1.0)  # of alike bodies, κ = (2 − ν)/(2 (1 − ν))
+    # only the effective modulus matters to an engine
     return Pair(
         mass=scene.effective_mass,
         radius=scene.effective_radius,
@@ -173,7 +162,7 @@ def pair_of(scene: Scene, velocity: float, depth: float) -> Pair:
         ball_radius=scene.impactor.radius,
         target_mass=mass,
         target_radius=scene.target.radius,
-        poissons_ratio=RIGID_RATIO if ratio is None else ratio,
+        poissons_ratio=0.3 if ratio is None else ratio,
         velocity=velocity,
         depth=depth,
         friction=friction,
@@ -186,7 +175,7 @@ def _models(scene: Scene, springs: set[str]) -> dict[str, Tangential]:
     if scene.contact.friction is None or not springs:
         return {}
     chi = groups(scene).parameter
-    before = np.linspace(0.0, 4.0 * chi, POINTS + 1)[1:]
+    before = np.linspace(0.0, 4.0 * chi, 25 + 1)[1:]  # beyond 4χ all models slide
     exact, made = theory(scene, before), dict[str, Tangential]()
     for name in springs:
         off = MODELS[name](chi, before) - exact
@@ -328,7 +317,7 @@ def _fitted(
     slopes: Any = jacobian
     bounds = scale.low, scale.high
     best: Any = least_squares(
-        residuals, scale.start, slopes, bounds, x_scale="jac", ftol=FINEST, max_nfev=MOST_EVALUATIONS
+        residuals, scale.start, slopes, bounds, x_scale="jac", ftol=1e-7, max_nfev=MOST_EVALUATIONS
     )
     if best.status == 0:
         warnings = (*warnings, f"law {law.name}: the fit had not converged after {MOST_EVALUATIONS} evaluations")

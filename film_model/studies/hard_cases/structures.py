@@ -19,9 +19,6 @@ from film_model.targets import Plate, Structure
 TOLERANCE = 1e-12
 """Of a step, of the core and of DOP853: every further contact multiplies the errors before it."""
 
-ENERGY = 1e-9
-"""Largest relative change of the energy of impactor and modes under a reversible law."""
-
 
 def _struck(target: Plate | Structure, mass: str, velocity: str) -> Scene:
     """An elastic steel ball on a target that vibrates, without weight."""
@@ -52,7 +49,7 @@ def _on_modes(scene: Scene, highest: float) -> Callable[[], Finding]:
         )
         before = 0.5 * problem.approach**2
         balance = abs(0.5 * found.summary.final_velocity**2 + found.energy - before) / before
-        if balance > ENERGY:
+        if balance > 1e-9:
             return Finding(f"{contacts}; worst balance", math.inf, balance=balance)
         return Finding(contacts, error, balance=balance)
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from typing import TYPE_CHECKING, Any
 
-from film_model.cli.output import give
+from film_model.cli.output import give_result
 
 if TYPE_CHECKING:
     from film_model.scene.chain import Chain
@@ -27,7 +27,7 @@ def run_chain(chain: Chain, options: argparse.Namespace) -> int:
         table = chain.to_table()
         chain = chain.from_table({**table, "solver": {**table["solver"], "accuracy": options.accuracy}})
     motion = simulate_chain_quietly(chain)
-    return give(options, motion, lambda: _text(motion, options.verbose))
+    return give_result(options, motion, lambda: _text(motion, options.verbose))
 
 
 def _text(motion: ChainMotion, verbose: bool) -> str:

@@ -3,20 +3,9 @@
 from __future__ import annotations
 
 import argparse
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-from film_model.cli.output import (
-    DONE,
-    add_force,
-    add_json,
-    add_plot,
-    check_outputs,
-    check_picture,
-    listed,
-    print_json,
-    print_warnings,
-    print_written,
-)
+from film_model.cli.output import Commands, add_common, add_scene, check_dataset, give_result, listed
 
 if TYPE_CHECKING:
     from film_model.solve.history import History
@@ -34,14 +23,13 @@ SHORT = (
 """Results without --verbose."""
 
 
-def add_commands(named: Any) -> None:
+def add_commands(commands: Commands) -> None:
     """The command and its options."""
-    parser: argparse.ArgumentParser = named.add_parser("run", help="simulate the impact of a scene file, or a chain")
-    parser.add_argument("scene", help="scene file (TOML)")
+    parser = commands.add("run", "simulate the impact of a scene file, or a chain", run)
+    add_scene(parser)
     parser.add_argument(
         "--output", metavar="FILE", help="write the history: .nc or .zarr (complete), .csv, .parquet or .mat (motion)"
     )
-    add_plot(parser, "draw the history")
     parser.add_argument(
         "--strobe", metavar="FILE", help="draw the ball at even times before and after (.png, .svg or .pdf)"
     )
@@ -55,17 +43,14 @@ def add_commands(named: Any) -> None:
         "--derivatives", metavar="KEY[,KEY]", help="of the summary, by keys of the scene such as impactor.velocity"
     )
     parser.add_argument("--verbose", action="store_true", help="print every result, event and effect")
-    add_force(parser)
-    add_json(parser)
-    parser.set_defaults(command=run)
+    add_common(parser, plot="draw the history")
 
 
 def run(options: argparse.Namespace) -> int:
     from film_model.scene.chain import Chain, read
     from film_model.solve.simulate import simulate_quietly
 
-    check_outputs(options)
-    check_picture(options.strobe, options.force)
+    check_dataset(options)
     scene = read(options.scene)
     if isinstance(scene, Chain):
         from film_model.cli.chain import run_chain
@@ -78,26 +63,16 @@ def run(options: argparse.Namespace) -> int:
         linearisation=options.linearisation,
         derivatives=listed(options.derivatives),
     )
-    if options.output:
-        import film_datasets
 
-        film_datasets.write(history, options.output, overwrite=options.force)
-    if options.plot:
-        from film_model.plot.history import plot_history
-
-        plot_history(history, options.plot)
-    if options.strobe:
+    def strobe(path: str) -> None:
         from film_model.plot.strobe import plot_strobe
 
-        plot_strobe(history, options.strobe)
-    if options.json:
-        print_json(history.to_dict())
-    else:
-        print(_table(history, options.verbose))
-        print(_derivatives(history), end="")
-        print_written(options.output, options.plot, options.strobe)
-    print_warnings(history.warnings)
-    return DONE
+        plot_strobe(history, path)
+
+    def text() -> str:
+        return "\n".join([_table(history, options.verbose), *_derivatives(history)])
+
+    return give_result(options, history, text, strobe=strobe)
 
 
 def _table(history: History, verbose: bool) -> str:
@@ -175,12 +150,12 @@ def _events(history: History) -> list[str]:
     return lines
 
 
-def _derivatives(history: History) -> str:
-    """The derivatives as text, those by each number together: in SI, and as per cent of the value for 1 %."""
+def _derivatives(history: History) -> list[str]:
+    """The derivatives, those by each number together: in SI, and as per cent of the value for 1 %."""
     found, lines = history.derivatives, list[str]()
     along = {} if history.oblique is None else history.oblique.summary
     if found is None:
-        return ""
+        return []
     for path, entry in found.entries.items():
         lines += ["", f"  {f'derivatives by {path} = {entry.text}':50}{'per 1 %':>12}"]
         for name, value in {**history.summary, **along}.items():
@@ -189,4 +164,4 @@ def _derivatives(history: History) -> str:
                 continue
             share = f"{slope * entry.value / value:.4f} %" if value and entry.value else "-"
             lines.append(f"    {name.replace('_', ' '):30}{found.text_of(name, path):>24}{share:>12}")
-    return "".join(f"{line}\n" for line in lines)
+    return lines

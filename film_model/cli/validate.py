@@ -3,25 +3,21 @@
 from __future__ import annotations
 
 import argparse
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-from film_model.cli.output import DONE, add_force, add_json, add_plot, check_picture, check_writable, print_json
+from film_model.base.files import write_text
+from film_model.cli.output import Commands, add_common, check_writable, give
 
 if TYPE_CHECKING:
     from film_model.studies.validation import LawReport
 
 
-def add_commands(named: Any) -> None:
+def add_commands(commands: Commands) -> None:
     """The command and its options."""
-    parser: argparse.ArgumentParser = named.add_parser(
-        "validate", help="compare the contact laws with measured values and theory"
-    )
+    parser = commands.add("validate", "compare the contact laws with measured values and theory", validate)
     parser.add_argument("--law", default="all", metavar="NAME", help='one law, "auto", or "all" (default)')
     parser.add_argument("--output", metavar="FILE.csv", help="write what every law gives for every value")
-    add_plot(parser, "draw the errors of the laws")
-    add_force(parser)
-    add_json(parser)
-    parser.set_defaults(command=validate)
+    add_common(parser, plot="draw the errors of the laws")
 
 
 def validate(options: argparse.Namespace) -> int:
@@ -32,27 +28,22 @@ def validate(options: argparse.Namespace) -> int:
 
     if options.output:
         check_writable(options.output, options.force)
-    check_picture(options.plot, options.force)
     rows = evidence_rows(load("measured_impacts"))
     reports = compare(rows, TESTED if options.law == "all" else (options.law,))
-    if options.output:
-        from pathlib import Path
+    rises = [f"{report.law}: restitution rises with velocity, {said}" for report in reports for said in report.rises]
 
-        from film_model.base.files import written_whole
-
-        with written_whole(Path(options.output)) as beside:
-            beside.write_text(_rows_as_csv(reports), "utf-8")
-    if options.plot:
+    def draw(path: str) -> None:
         from film_model.plot.validation import plot_validation
 
-        plot_validation(reports, options.plot)
-    if options.json:
-        return print_json({"laws": [report.to_dict() for report in reports]})
-    print(table(reports))
-    for report in reports:
-        for said in report.rises:
-            print(f"{report.law}: restitution rises with velocity, {said}")
-    return DONE
+        plot_validation(reports, path)
+
+    return give(
+        options,
+        lambda: "\n".join([table(reports), *rises]),
+        lambda: {"laws": [report.to_dict() for report in reports]},
+        output=lambda path: write_text(path, _rows_as_csv(reports)),
+        plot=draw,
+    )
 
 
 def _rows_as_csv(reports: list[LawReport]) -> str:

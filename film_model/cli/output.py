@@ -124,7 +124,10 @@ def give_result(
 
         film_datasets.write(result.to_dataset(), path, overwrite=options.force)
 
-    return give(options, text, result.to_dict, result.warnings, output=write, plot=result.plot, **files)
+    def draw(path: str) -> None:
+        result.plot(path)
+
+    return give(options, text, result.to_dict, result.warnings, output=write, plot=draw, **files)
 
 
 def listed(text: str | None) -> list[str]:

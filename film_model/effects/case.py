@@ -62,7 +62,7 @@ class Case:
     motion: float
     vibrates: bool
 
-    @property
+    @cached_property
     def scene(self) -> Scene:
         """The scene."""
         return self.problem.scene

@@ -186,7 +186,7 @@ class _Edges:
 
     impacts: Impacts
 
-    @property
+    @cached_property
     def scene(self) -> Scene:
         """The scene."""
         return self.impacts.base

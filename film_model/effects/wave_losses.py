@@ -138,12 +138,7 @@ def remarks(problem: Problem) -> tuple[str, ...]:
 def settled(effect: Effect, problem: Problem) -> Effect:
     """The estimated effect with what was decided about it. problem: what is simulated."""
     scene, simulated = problem.scene, problem.gamma > 0.0
-    if (
-        effect.name != "wave_losses"
-        or scene.target.gives_way
-        or scene.nose is not None
-        or (effect.change is None and not simulated)
-    ):
+    if scene.target.gives_way or scene.nose is not None or (effect.change is None and not simulated):
         return effect
     if pressed(problem) and not simulated:
         why = "the weight makes the impact last longer than its velocity says"

@@ -234,7 +234,7 @@ class Problem:
     own: OwnCurves = OwnCurves()
     _others: dict[Any, Problem] = field(default_factory=dict, init=False, repr=False, compare=False)
 
-    @property
+    @cached_property
     def scene(self) -> Scene:
         """The scene; for many impacts, the scene whose numbers are varied."""
         return self.impacts.base
@@ -264,16 +264,11 @@ class Problem:
         if isinstance(places, np.ndarray) and places.dtype == np.bool_ and places.all():
             return self
         numbers = ("gamma", "load", "damping", "approach", "drift", "share", "mass")
-        return Problem(
+        return replace(
+            self,
             impacts=self.impacts.part(places),
-            law=self.law,
-            curve=self.curve,
             scales=self.scales.part(places),
             given=cast("Any", tuple(_at(values, places) for values in self.given)),
-            free=self.free,
-            vibrates=self.vibrates,
-            stretches=self.stretches,
-            relaxation=self.relaxation,
             own=self.own.part(places),
             **{name: getattr(self, name)[places] for name in numbers},
         )

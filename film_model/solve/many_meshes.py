@@ -37,7 +37,7 @@ TABLED = 1.5
 """The exponent of forces and branches that the core has tables and polynomials for (docs/method.md, section 10)."""
 
 SMALL = 1e-9
-"""Refinement ends if an estimate below `SMALL` falls by less than this factor: the rest is rounding."""
+"""Refinement ends if an estimate below this stalls: the rest is rounding."""
 
 
 @dataclass(frozen=True)

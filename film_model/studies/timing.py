@@ -10,6 +10,9 @@ import time
 from collections.abc import Callable
 from typing import NamedTuple
 
+SHORTEST, MOST_TIME = 2e-3, 0.15
+"""Shortest timing loop [s], and time for all loops of a setting [s]."""
+
 LONG = 0.5
 """Seconds of a call that is long enough to be timed once."""
 
@@ -32,8 +35,8 @@ def timed(call: Callable[[], object]) -> Timing:
     if once > LONG:
         return Timing(once, 0.0)
     once = max(_seconds(call), 1e-9)
-    calls = max(1, math.ceil(2e-3 / once))  # loops of at least 2 ms, 0.15 s for all of a setting
-    repeats = max(3, min(25, int(0.15 / (calls * once))))
+    calls = max(1, math.ceil(SHORTEST / once))
+    repeats = max(3, min(25, int(MOST_TIME / (calls * once))))
     found = [_seconds(call, calls) / calls for _ in range(repeats)]
     lower, _, upper = statistics.quantiles(found, n=4)
     return Timing(statistics.median(found), 0.5 * (upper - lower))

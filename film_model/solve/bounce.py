@@ -67,17 +67,6 @@ class Bounce(NamedTuple):
         return (0.0 - self.velocity_after) / self.velocity_before
 
 
-class _Column:
-    """A value of all bounces as an array of quantities."""
-
-    def __init__(self, name: str) -> None:
-        self.name = name
-        self.dimension, self.__doc__ = COLUMNS[name]
-
-    def __get__(self, instance: Bounces | None, owner: type) -> Any:
-        return self if instance is None else units.quantity(instance.column(self.name), self.dimension)
-
-
 @dataclass(frozen=True)
 class Bounces:
     """All bounces of a ball, from `bounce`.
@@ -130,8 +119,7 @@ class Bounces:
         }
 
 
-for _name in COLUMNS:
-    setattr(Bounces, _name, _Column(_name))
+units.add_quantities(Bounces, COLUMNS, Bounces.column)
 
 
 def bounce(scene: Scene, *, resolution: Any = None, accuracy: float | None = None) -> Bounces:

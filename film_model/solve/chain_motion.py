@@ -63,17 +63,6 @@ class EnergyBalance(NamedTuple):
     error: float
 
 
-class _Column:
-    """A value of all bodies or contacts as an array of quantities."""
-
-    def __init__(self, name: str) -> None:
-        self.name = name
-        self.dimension, self.__doc__ = (BODIES | CONTACTS)[name]
-
-    def __get__(self, instance: ChainMotion | None, owner: type) -> Any:
-        return self if instance is None else units.quantity(instance.values[self.name], self.dimension)
-
-
 @dataclass(frozen=True)
 class ChainMotion:
     """The motion of a chain, from `simulate_chain`.
@@ -164,8 +153,7 @@ class ChainMotion:
         }
 
 
-for _name in (*BODIES, *CONTACTS):
-    setattr(ChainMotion, _name, _Column(_name))
+units.add_quantities(ChainMotion, BODIES | CONTACTS, lambda motion, name: motion.values[name])
 
 
 class _Scales(NamedTuple):

@@ -1,4 +1,4 @@
-"""film-model cost, hard-cases: studies of the method."""
+"""film-model cost, hard-cases, validate, reference-impacts, score: how good the method and its laws are."""
 
 from __future__ import annotations
 
@@ -17,12 +17,14 @@ from film_model.cli.output import (
     check_dataset,
     check_writable,
     give,
+    listed,
     read_scene,
 )
 
 if TYPE_CHECKING:
     from film_model.studies.cost import Study
     from film_model.studies.hard_cases import Report
+    from film_model.studies.validation import LawReport
 
 
 def add_commands(commands: Commands) -> None:
@@ -39,6 +41,23 @@ def add_commands(commands: Commands) -> None:
     parser.add_argument("--match", metavar="TEXT", default="", help="only cases whose name contains this")
     parser.add_argument("--markdown", metavar="FILE.md", help="write the report as a page")
     add_common(parser)
+
+    parser = commands.add("validate", "compare the contact laws with measured values and theory", validate)
+    parser.add_argument("--law", default="all", metavar="NAME", help='one law, "auto", or "all" (default)')
+    parser.add_argument("--output", metavar="FILE.csv", help="write what every law gives for every value")
+    add_common(parser, plot="draw the errors of the laws")
+
+    parser = commands.add(
+        "reference-impacts", "write the suite of certified impacts to test other codes against", reference_impacts
+    )
+    parser.add_argument("--output", metavar="DIR", required=True, help="a new or empty folder")
+    parser.add_argument("--cases", metavar="NAMES", help="only these, separated by commas")
+    parser.add_argument("--workers", type=int, metavar="N", default=1, help="processes (default: 1)")
+
+    parser = commands.add("score", "compare another code's histories with the reference impacts", score)
+    parser.add_argument("results", help="CASE.csv, or a folder of such files")
+    parser.add_argument("--case", metavar="NAME", help="case of a file that is called otherwise")
+    add_common(parser, plot="draw the errors")
 
 
 def cost(options: argparse.Namespace) -> int:
@@ -114,3 +133,69 @@ def _cases_table(reports: list[Report]) -> str:
         lines.append(f"{'pass' if f.good else 'FAIL':6}{r.case.name:52}{numbers}  {f.outcome}")
         lines += [f"{'':58}{name}: {said}" for name, said in r.others.items()]
     return "\n".join([*lines, f"{sum(r.finding.good for r in reports)} of {len(reports)} passed"])
+
+
+def validate(options: argparse.Namespace) -> int:
+    """Print median and worst error by law and group of rows."""
+    from film_datasets import load
+    from film_datasets.evidence import evidence_rows
+    from film_model.studies.validation import TESTED, compare, table
+
+    if options.output:
+        check_writable(options.output, options.force)
+    rows = evidence_rows(load("measured_impacts"))
+    reports = compare(rows, TESTED if options.law == "all" else (options.law,))
+    rises = [f"{report.law}: restitution rises with velocity, {said}" for report in reports for said in report.rises]
+
+    def draw(path: str) -> None:
+        from film_model.plot.validation import plot_validation
+
+        plot_validation(reports, path)
+
+    return give(
+        options,
+        lambda: "\n".join([table(reports), *rises]),
+        lambda: {"laws": [report.to_dict() for report in reports]},
+        output=lambda path: write_text(path, _rows_as_csv(reports)),
+        plot=draw,
+    )
+
+
+def _rows_as_csv(reports: list[LawReport]) -> str:
+    import csv
+    import io
+
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(
+        ["source", "quantity", "published", "uncertainty", "kind", "held_out", *(report.law for report in reports)]
+    )
+    for predictions in zip(*(report.predictions for report in reports), strict=True):
+        row = predictions[0].row
+        found = (f"{prediction.value:.6g}" for prediction in predictions)
+        held = "yes" if row.held_out else "no"
+        writer.writerow([row.source, row.quantity, f"{row.value:.6g}", row.uncertainty, row.kind, held, *found])
+    return text.getvalue()
+
+
+def reference_impacts(options: argparse.Namespace) -> int:
+    import film_datasets
+
+    names = listed(options.cases) if options.cases is not None else None
+    written = film_datasets.write_suite(
+        options.output, names, options.workers, lambda name: print(f"wrote {name}", file=sys.stderr)
+    )
+    print(f"{len(written)} cases in {options.output}")
+    return DONE
+
+
+def score(options: argparse.Namespace) -> int:
+    import film_datasets
+    from film_datasets.reference_impacts.score import by_quantity, text_of
+
+    scores = film_datasets.score(options.results, options.case)
+    cases = [{"case": one.case, "rows": one.rows, "errors": dict(one.errors)} for one in scores]
+    table = {"quantities": by_quantity(scores), "cases": cases}
+    return give(
+        options, lambda: text_of(scores), lambda: table, plot=lambda path: film_datasets.plot_scores(scores, path)
+    )

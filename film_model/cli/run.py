@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 MOST_EVENTS = 24
 """Events in a table; JSON and files contain all of them."""
 
-MOST_CONTACTS, ENDS = 5, ("contact_begins", "contact_ends")
+ENDS = ("contact_begins", "contact_ends")
 """Of more contacts only these events are in the table."""
 
 MOST_ROWS = 8
@@ -140,7 +140,7 @@ def _events(history: History) -> list[str]:
 
     lines = ["", f"  {'event':24}{'time':>14}{'indentation':>16}{'force':>14}"]
     ends = sum(event.name == "contact_ends" for event in history.events)
-    shown = [event for event in history.events if ends <= MOST_CONTACTS or event.name in ENDS]
+    shown = [event for event in history.events if ends <= 5 or event.name in ENDS]
     for event in shown[:MOST_EVENTS]:
         numbers = (
             f"{format_si(event.time, 'time', 5):>14}{format_si(event.indentation, 'length', 5):>16}"

@@ -31,10 +31,6 @@ HERTZ_TIME = 2.9432751843
 MOST_WEIGHT = 0.1
 """Weight over the largest elastic force, beyond which the impact lasts longer than its velocity says."""
 
-SURE = 0.9
-"""Energy of the waves of the elastic impact over the tolerated change, up to which nothing is tried: an impact that
-yields radiates less, and no other value changes as much."""
-
 
 def impedance_of(scene: Scene, yielding: bool) -> Any:
     """The impedance by which a half-space takes up the energy of waves, N s/m; infinite if unknown (a cone). Of one
@@ -105,7 +101,8 @@ def radiating(problem: Problem) -> tuple[Problem, Any]:
         return problem, False
     scene = problem.impacts.scene
     most = HERTZ_SQUARE * largest_force(scene) ** 2.0 * duration(scene) / (made.impedance * scene.kinetic_energy)
-    doubtful = either(pressed(problem), False, most > SURE * problem.scene.effect_tolerance)
+    # an impact that yields radiates less than the elastic one, and no other value changes as much
+    doubtful = either(pressed(problem), False, most > 0.9 * problem.scene.effect_tolerance)
     if not problem.impacts.many:
         return made, doubtful and matters(made, problem)
     return made, matters(made, problem, where=column(doubtful, problem.approach.size))

@@ -24,8 +24,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-SAMPLES = 1001  # evenly spaced over the contact: enough for lines without visible corners in print
-
 LABELS = {
     "contact_begins": "contact again",
     "stage_changes": "{stage} begins",
@@ -35,7 +33,7 @@ LABELS = {
     "contact_ends": "contact ends",
 }
 
-LABEL_ROWS, LETTER = 3, 4.4
+LETTER = 4.4
 """Rows of event labels above the panels (a label without room is omitted), and the width of a letter in points."""
 
 NUMBERS = {
@@ -52,9 +50,6 @@ VELOCITIES = {"impactor_velocity": "-", "target_velocity": "--", "relative_veloc
 DISPLACEMENTS = {"impactor_displacement": "-", "target_displacement": "--"}
 LINES = VELOCITIES | DISPLACEMENTS
 """Line styles of the quantities that share a panel."""
-
-MOST_MARKED = 12
-"""Beyond so many events only those at which contact begins and ends are marked."""
 
 ABOVE: dict[str, Any] = {
     **{"loc": "lower right", "bbox_to_anchor": (1.0, 1.01), "ncols": 3, "borderaxespad": 0.0},
@@ -90,7 +85,8 @@ class Trace:
     def of(cls, history: History) -> Trace:
         """The whole contact at evenly spaced times and at all events."""
         scene, vibration = history.scene, history.vibration
-        times = [np.linspace(0.0, history.duration, SAMPLES), [event.time for event in history.events]]
+        # enough for lines without visible corners in print
+        times = [np.linspace(0.0, history.duration, 1001), [event.time for event in history.events]]
         # so many steps in contact are sampled at their beginning and middle, too
         if vibration is not None and len(vibration.segments) <= 5000:
             begin, step = (vibration.segments[name] for name in ("time", "h"))
@@ -285,11 +281,11 @@ def _mark_events(panels: list[Axes], trace: Trace) -> None:
     """A thin line at every event after first touch, with a label above the first panel if there is room."""
     top, size = panels[0], _unit(trace.samples.time, "time")[0]
     width, height = top.get_position().width * SIZE[0] * 72.0, top.get_position().height * SIZE[1] * 72.0  # points
-    span, ends = top.get_xlim()[1], [-math.inf] * LABEL_ROWS
+    span, ends = top.get_xlim()[1], [-math.inf] * 3
     thin: dict[str, Any] = {"color": "0.55", "linewidth": 0.5}
     labels: dict[str, float] = {}  # of the first event of a kind
     contacts = ("contact_begins", "contact_ends")
-    few = len(trace.events) <= MOST_MARKED
+    few = len(trace.events) <= 12  # of more events only those at which contact begins and ends are marked
     for event in (event for event in trace.events[1:] if few or event.name in contacts):
         labels.setdefault(LABELS.get(event.name, event.name).format(stage=event.stage), event.time / size)
         for panel in panels:

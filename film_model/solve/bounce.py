@@ -30,9 +30,6 @@ if TYPE_CHECKING:
 MOST_BOUNCES = 5_000
 """Reached where e stays above 0.9986, at the default resolution."""
 
-LOW_BOUNCES = 10
-"""A target that vibrates may throw the ball up after a low bounce: rest is so many low ones."""
-
 COLUMNS: dict[str, tuple[str, str]] = {
     "time": ("time", "of first touch; 0 at the release of a ball with a drop height, otherwise at its first contact"),
     "velocity_before": ("velocity", "impactor velocity at first touch, positive into the target"),
@@ -220,7 +217,7 @@ class _Series:
             if last.contact_duration is None:
                 return f"at rest after {at}: the ball stays on the target from contact {count} on", True, ()
             low = low + 1 if last.height < self._least else 0
-            if low >= (LOW_BOUNCES if self._vibrates else 1):
+            if low >= (10 if self._vibrates else 1):  # a target that vibrates may throw the ball up after a low bounce
                 least = format_si(self._least, "length", 3)
                 return f"at rest after {at}: bounce {count} is lower than {least}", True, ()
             # a smaller loss is rounding: rest would take more than 1e9 bounces

@@ -26,13 +26,6 @@ mesh of half as many, and meshes of three agree by chance (tests/test_sweep_accu
 SAMPLE_LEAST, SAMPLE_SHARE = 64, 256
 """The shared mesh is found from at least this number and this fraction (1/256) of the impacts."""
 
-TABLES = 2e-14
-"""Relative error of the core's tables of whole ways (tests/test_batch.py), which no mesh changes."""
-
-EASY = 0.9
-"""Fraction of the sample that meets the accuracy on the shared mesh; refining the others costs less than finer lines
-for all."""
-
 TABLED = 1.5
 """The exponent of forces and branches that the core has tables and polynomials for (docs/method.md, section 10)."""
 
@@ -193,7 +186,8 @@ def _estimate(
 
 def _floor(problem: Problem, core: Columns) -> NDArray[np.float64]:
     """Error that remains on any mesh: rounding, and on targets that move the tables of whole ways."""
-    return rounding(problem, core) + TABLES * (problem.gamma > 0.0)
+    # error of the core's tables of whole ways (tests/test_batch.py), which no mesh changes
+    return rounding(problem, core) + 2e-14 * (problem.gamma > 0.0)
 
 
 def _with_segments(problem: Problem, solver: Solver, n: int) -> Marched:
@@ -219,7 +213,8 @@ def _shared_segments(problem: Problem, solver: Solver) -> int:
         off = difference(sample, coarse, fine)
         mesh = mesh_of(solver, sample.curve.segments(n))
         bound = bound_fine(mesh, sample.start, coarse.table, fine.table, off, np.zeros_like(off))
-        typical = float(np.quantile(np.where((status >= 0) & (other >= 0), bound, 0.0), EASY))
+        # refining the others costs less than finer lines for all
+        typical = float(np.quantile(np.where((status >= 0) & (other >= 0), bound, 0.0), 0.9))
         if typical <= solver.accuracy:
             break
         # the difference decreases with about the fourth power of the segments

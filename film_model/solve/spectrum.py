@@ -27,9 +27,6 @@ Complex = NDArray[np.complex128]
 SAMPLES = 2**13
 """Even times of the force, between which it is taken as linear: where it is a half-sine, within 1e-7 of the impulse."""
 
-DROP = 10.0**-0.5
-"""Amplitude over that of frequency 0 at the bandwidth: −10 dB."""
-
 FREQUENCIES, SHOWN = 1000, 2.0
 """Number of frequencies where none are given, and the largest over the bandwidth."""
 
@@ -148,7 +145,7 @@ def _bandwidth(times: Array, force: Array) -> float:
     impulse = float(abs(transform(times, force, np.zeros(1))[0]))
 
     def over(frequency: Any) -> Any:
-        return np.abs(transform(times, force, np.atleast_1d(frequency))) / impulse - DROP
+        return np.abs(transform(times, force, np.atleast_1d(frequency))) / impulse - (10.0**-0.5)  # −10 dB
 
     # steps in which the bandwidth is looked for, over 1/time from first touch to the last event
     step = 0.05 / float(times[-1])

@@ -30,7 +30,7 @@ E1, _, E3, E4, E5, E6, E7 = RK45.E.tolist()
 D1, D3, D4 = -12715105075 / 11282082432, 87487479700 / 32700410799, -10690763975 / 1880347072
 D5, D6, D7 = 701980252875 / 199316789632, -1453857185 / 822651844, 69997945 / 29380423
 
-EXPONENT, MEMORY, SAFETY = 0.2 - 0.75 * 0.04, 0.04, 0.9  # PI control as in DOPRI5
+EXPONENT, SAFETY = 0.2 - 0.75 * 0.04, 0.9  # PI control as in DOPRI5
 LOWEST_ERROR = math.log(1e-4)
 GROWS, TURNS, OPENS, STOPS = 0, 1, 2, 3  # events: ξ reaches the end of a stage; ν − γf = 0; ξ = ξ_f; ν = 0
 
@@ -302,7 +302,7 @@ def _impact(parts, ends, loading, free, root):
             if not square <= 1.0:
                 h *= max(0.2, SAFETY * math.exp(-EXPONENT * error)) if square < 1e300 else 0.1
                 continue
-            grown = h * min(5.0, SAFETY * math.exp(MEMORY * last_error - EXPONENT * error))
+            grown = h * min(5.0, SAFETY * math.exp(0.04 * last_error - EXPONENT * error))
             last_error = max(error, LOWEST_ERROR)
             kind = event(branch, stopped, x1, v1, p1, target)
             if kind < 0:

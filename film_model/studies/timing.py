@@ -13,9 +13,6 @@ from typing import NamedTuple
 SHORTEST, MOST_TIME = 2e-3, 0.15
 """Shortest timing loop [s], and time for all loops of a setting [s]."""
 
-LONG = 0.5
-"""Seconds of a call that is long enough to be timed once."""
-
 PACKAGES = ("film-model", "numpy", "scipy", "numba", "scikit-sundae", "heyoka")
 
 
@@ -32,7 +29,7 @@ def timed(call: Callable[[], object]) -> Timing:
     A call of more than LONG is timed once, with no spread.
     """
     once = _seconds(call)
-    if once > LONG:
+    if once > 0.5:  # long enough to be timed once
         return Timing(once, 0.0)
     once = max(_seconds(call), 1e-9)
     calls = max(1, math.ceil(SHORTEST / once))

@@ -11,8 +11,6 @@ if TYPE_CHECKING:
     from film_model.scene import Scene
     from film_model.translate import Translation
 
-WIDTH = 20
-
 
 def add_commands(commands: Commands) -> None:
     """The command and its options."""
@@ -64,6 +62,7 @@ def _range(text: str | None) -> tuple[Any, ...]:
 
 def _text(scene: Scene, made: list[Translation]) -> str:
     """The closest law in full, the others in a row each."""
+    width = 20
     best = made[0]
     speeds, at = best.velocities, f"at {best.velocities[0]:.3g} m/s"
     if len(speeds) > 1:
@@ -72,20 +71,20 @@ def _text(scene: Scene, made: list[Translation]) -> str:
     lines += [f"{best.law.source}", ""]
     for p in best.law.parameters:
         number = f"{best.values[p.name]:.6g} {p.unit}".rstrip()
-        lines.append(f"  {p.name:{WIDTH}}{number:>24}  {p.meaning}")
-    lines += ["", f"  {at:{WIDTH + 24}}{'error (rms)':>12}{'worst':>10}"]
+        lines.append(f"  {p.name:{width}}{number:>24}  {p.meaning}")
+    lines += ["", f"  {at:{width + 24}}{'error (rms)':>12}{'worst':>10}"]
     for name, error in best.errors.items():
         worst = f"{100 * error.worst:+.1f} % at {error.velocity:.3g} m/s"
-        lines.append(f"  {name:{WIDTH + 24}}{100 * error.rms:>10.1f} %{worst:>22}")
+        lines.append(f"  {name:{width + 24}}{100 * error.rms:>10.1f} %{worst:>22}")
     if best.tangential:
-        lines += ["", f"  {'friction, ψ₂ over ψ₁, against ours':{WIDTH + 24}}{'error (rms)':>12}{'worst':>10}"]
+        lines += ["", f"  {'friction, ψ₂ over ψ₁, against ours':{width + 24}}{'error (rms)':>12}{'worst':>10}"]
     for name, one in best.tangential.items():
-        lines.append(f"  {name:{WIDTH + 24}}{one.rms:>12.3f}{one.worst:>+10.3f} at ψ₁ = {one.before:.3g}")
+        lines.append(f"  {name:{width + 24}}{one.rms:>12.3f}{one.worst:>+10.3f} at ψ₁ = {one.before:.3g}")
     if len(made) > 1:
-        lines += ["", f"  {'other laws':{WIDTH + 24}}{'force':>10}{'duration':>10}{'restitution':>13}  (rms)"]
+        lines += ["", f"  {'other laws':{width + 24}}{'force':>10}{'duration':>10}{'restitution':>13}  (rms)"]
     for one in made[1:]:
         force, duration, restitution = (f"{100 * error.rms:.1f} %" for error in one.errors.values())
-        lines.append(f"  {one.law.name:{WIDTH + 24}}{force:>10}{duration:>10}{restitution:>13}")
+        lines.append(f"  {one.law.name:{width + 24}}{force:>10}{duration:>10}{restitution:>13}")
         numbers = (f"{p.name} {one.values[p.name]:.6g} {p.unit}".rstrip() for p in one.law.parameters)
         lines.append(f"    {', '.join(numbers)}")
     lines += ["", *(f"  {note}" for note in best.law.notes), "", best.paste()]

@@ -12,14 +12,8 @@ if TYPE_CHECKING:
     from film_model.solve.chain_motion import ChainMotion
     from film_model.solve.history import History
 
-MOST_EVENTS = 24
-"""Events in a table; JSON and files contain all of them."""
-
 ENDS = ("contact_begins", "contact_ends")
 """Of more contacts only these events are in the table."""
-
-MOST_ROWS = 8
-"""Rows of a table without --verbose, half of them at its end."""
 
 SHORT = (
     *("maximum_force", "maximum_indentation", "contact_duration", "permanent_indentation"),
@@ -136,20 +130,21 @@ def _sensors(history: History) -> list[str]:
 
 
 def _events(history: History) -> list[str]:
+    most_events = 24  # JSON and files contain all of them
     from film_model.base.units import format_si
 
     lines = ["", f"  {'event':24}{'time':>14}{'indentation':>16}{'force':>14}"]
     ends = sum(event.name == "contact_ends" for event in history.events)
     shown = [event for event in history.events if ends <= 5 or event.name in ENDS]
-    for event in shown[:MOST_EVENTS]:
+    for event in shown[:most_events]:
         numbers = (
             f"{format_si(event.time, 'time', 5):>14}{format_si(event.indentation, 'length', 5):>16}"
             f"{format_si(event.contact_force, 'force', 5):>14}"
         )
         what = f"  ({event.stage})" if event.name == "stage_changes" else ""
         lines.append(f"  {event.name.replace('_', ' '):24}{numbers}{what}")
-    if len(history.events) > MOST_EVENTS or len(shown) < len(history.events):
-        lines.append(f"  and {len(history.events) - len(shown[:MOST_EVENTS])} more: --json and files have all")
+    if len(history.events) > most_events or len(shown) < len(history.events):
+        lines.append(f"  and {len(history.events) - len(shown[:most_events])} more: --json and files have all")
     return lines
 
 
@@ -184,6 +179,7 @@ def run_chain(chain: Chain, options: argparse.Namespace) -> int:
 
 
 def _chain_text(motion: ChainMotion, verbose: bool) -> str:
+    most_rows = 8  # without --verbose, half of them at the end
     from film_model.solve.chain_motion import BODIES, CONTACTS
 
     energy = motion.energy
@@ -197,11 +193,11 @@ def _chain_text(motion: ChainMotion, verbose: bool) -> str:
         rows = motion.rows(names)
         numbers = motion.chain.link_names if names is not BODIES else [str(number + 1) for number in range(len(rows))]
         named = list(zip(numbers, rows, strict=True))
-        for number, row in _shown(named, len(rows) if verbose else MOST_ROWS):
+        for number, row in _shown(named, len(rows) if verbose else most_rows):
             cells = (_cell(value, kind, whole) for value, kind in zip(row.values(), dimensions, strict=True))
             lines.append(f"  {number:8}" + "".join(f"{cell:>18}" for cell in cells))
-        if len(rows) > MOST_ROWS and not verbose:
-            lines.insert(-MOST_ROWS // 2, f"  ... {len(rows) - MOST_ROWS} more")
+        if len(rows) > most_rows and not verbose:
+            lines.insert(-most_rows // 2, f"  ... {len(rows) - most_rows} more")
     parts = {"before": energy.kinetic_before, "after": energy.kinetic_after, "absorbed": energy.absorbed}
     parts |= {"of weight": energy.weight} if motion.chain.gravity else {}
     lines += ["", "  energy  " + ", ".join(f"{name} {_cell(value, 'energy', whole)}" for name, value in parts.items())]

@@ -11,12 +11,6 @@ from film_model.effects.case import Case, Rule
 from film_model.effects.effect import Effect
 from film_model.scene import STANDARD_GRAVITY
 
-AIR_DENSITY = 1.204
-"""Of air at 20 °C and 1013 hPa, kg/m³; its viscosity is 1.813e-5 Pa s."""
-
-NEWTON = 0.44
-"""Drag coefficient of a sphere from a Reynolds number of 1000 up to 200,000."""
-
 
 def air_drag(case: Case, rule: Rule) -> Effect:
     """Drag of the air on a ball that falls from drop_height.
@@ -41,11 +35,13 @@ def air_drag(case: Case, rule: Rule) -> Effect:
 
 def terminal_velocity(mass: float, radius: float) -> float:
     """Velocity at which the drag of air holds the weight of a sphere, m/s."""
-    found = math.sqrt(2.0 * mass * STANDARD_GRAVITY / (AIR_DENSITY * NEWTON * math.pi * radius**2))
-    weighed = found**2 * NEWTON
+    newton = 0.44  # drag coefficient of a sphere from a Reynolds number of 1000 up to 200,000
+    air_density = 1.204  # of air at 20 °C and 1013 hPa, kg/m³; its viscosity is 1.813e-5 Pa s
+    found = math.sqrt(2.0 * mass * STANDARD_GRAVITY / (air_density * newton * math.pi * radius**2))
+    weighed = found**2 * newton
     for _ in range(60):  # each halves the error or better, since C_d falls at most as 1/Re
-        reynolds = 2.0 * AIR_DENSITY * radius * found / 1.813e-5
-        coefficient = max(24.0 / reynolds * (1.0 + 0.15 * reynolds**0.687), NEWTON)
+        reynolds = 2.0 * air_density * radius * found / 1.813e-5
+        coefficient = max(24.0 / reynolds * (1.0 + 0.15 * reynolds**0.687), newton)
         found = math.sqrt(found * math.sqrt(weighed / coefficient))
     return found
 

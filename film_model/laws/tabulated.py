@@ -17,8 +17,6 @@ from film_model.base.units import to_si
 from film_model.laws.law import AbstractLaw, Array, ExampleBall, Family, Parameter, Stage
 
 MOST_ROWS = 5000
-MOST_KNOTS = 60
-"""Most points that are interpolated; a longer table is represented by 60 of its points."""
 
 _CLOSE = 1e-9  # relative to the largest force: a smaller deviation needs no more points
 _COLUMNS = {"indentation": "length", "force": "force"}
@@ -46,13 +44,14 @@ def _interpolant(points: tuple[tuple[float, float], ...]) -> Any:
 @lru_cache(maxsize=64)
 def _thinned(indentation: tuple[float, ...], force: tuple[float, ...]) -> tuple[tuple[tuple[float, float], ...], float]:
     """At most MOST_KNOTS points (ξ, f), and the largest deviation of the others relative to the largest force."""
+    most_knots = 60  # of a longer table so many points are interpolated
     xi, f = np.array(indentation) / indentation[-1], np.array(force) / max(force)
-    chosen = set(range(len(xi))) if len(xi) <= MOST_KNOTS else {0, len(xi) - 1}
+    chosen = set(range(len(xi))) if len(xi) <= most_knots else {0, len(xi) - 1}
     while True:
         points = tuple((float(xi[k]), float(f[k])) for k in sorted(chosen))
         misses = np.abs(_interpolant.__wrapped__(points)(xi) - f)
         worst = int(np.argmax(misses))
-        if misses[worst] <= _CLOSE or len(chosen) >= MOST_KNOTS:
+        if misses[worst] <= _CLOSE or len(chosen) >= most_knots:
             return points, float(misses[worst])
         chosen.add(worst)
 

@@ -33,9 +33,6 @@ LABELS = {
     "contact_ends": "contact ends",
 }
 
-LETTER = 4.4
-"""Rows of event labels above the panels (a label without room is omitted), and the width of a letter in points."""
-
 NUMBERS = {
     **{"maximum_force": "peak force", "maximum_indentation": "peak indentation", "contact_duration": "contact"},
     **{"permanent_indentation": "dent", "rebound_velocity": "rebound", "coefficient_of_restitution": "restitution"},
@@ -279,6 +276,7 @@ def _runs(stages: Any) -> Iterator[tuple[str, slice]]:
 
 def _mark_events(panels: list[Axes], trace: Trace) -> None:
     """A thin line at every event after first touch, with a label above the first panel if there is room."""
+    letter = 4.4  # width of a letter in points; a label without room is omitted
     top, size = panels[0], _unit(trace.samples.time, "time")[0]
     width, height = top.get_position().width * SIZE[0] * 72.0, top.get_position().height * SIZE[1] * 72.0  # points
     span, ends = top.get_xlim()[1], [-math.inf] * 3
@@ -292,11 +290,11 @@ def _mark_events(panels: list[Axes], trace: Trace) -> None:
             panel.axvline(event.time / size, zorder=0, **thin)
     for t in dict.fromkeys(labels.values()):
         text = ", ".join(label for label, time in labels.items() if time == t)
-        half, at = 0.5 * LETTER * len(text), t / span * width
+        half, at = 0.5 * letter * len(text), t / span * width
         middle = min(max(at, half), width - half)
         row = next((k for k, end in enumerate(ends) if middle - half > end), None)
         if row is not None:
-            ends[row] = middle + half + LETTER
+            ends[row] = middle + half + letter
             top.axvline(t, 1.0, 1.0 + 10.0 * row / height, clip_on=False, zorder=0, **thin)
             note = top.annotate(
                 plain(text), (t, 1.0), (middle - at, 3.0 + 10.0 * row), top.get_xaxis_transform(), "offset points"

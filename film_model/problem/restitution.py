@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from film_model.core import native
 
-_DEPTHS, _SEGMENTS = 160, 24
+_SEGMENTS = 24
 
 
 class Rise(NamedTuple):
@@ -27,11 +27,12 @@ class Rise(NamedTuple):
 
 def rises(curve: native.Curve, ratio: int) -> tuple[Rise, ...]:
     """Where the restitution of a curve rises with velocity. ratio: unloading segments per loading segment."""
+    count = 160
     last = curve.stage[curve.stages - 1]
     if curve.stage[0].damped or curve.compliance > 0.0 or curve.pull > 0.0 or curve.stages == 1:
         return ()
-    depths = np.geomspace(curve.stage[0].end, min(last.end, 1e4 * curve.stage[0].end), _DEPTHS)
-    start: NDArray[Any] = np.zeros(_DEPTHS, native.START_DTYPE)
+    depths = np.geomspace(curve.stage[0].end, min(last.end, 1e4 * curve.stage[0].end), count)
+    start: NDArray[Any] = np.zeros(count, native.START_DTYPE)
     start["nu"], start["stop_velocity"], start["time_limit"] = _speeds(curve, depths), -0.0, math.inf
     mesh = native.mesh(native.WORK_PRESERVING, _SEGMENTS, ratio * _SEGMENTS)
     status, found = native.batch(curve, mesh, start, native.INSTRUCTIONS.index("plain"))

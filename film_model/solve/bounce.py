@@ -127,7 +127,7 @@ def bounce(scene: Scene, *, resolution: Any = None, accuracy: float | None = Non
     of the first fall), or when it stays on the target. A plate without edges moves by its impedance, and under law
     "auto" a half-space takes the energy of waves, however little that changes the first impact: where later ones are
     elastic, only this brings the ball to rest. Effects of law "auto" are chosen for the first impact, at V: waves of
-    a bounce at V' take (V/V')^{2/5} times too much. A ball that no loss stops, that bounces more than `MOST_BOUNCES`
+    a bounce at V' take (V/V')^{2/5} times too much. A ball that no loss stops, that bounces more than 5000
     times, or whose later contacts cannot be solved does not come to rest: `outcome` and a warning say so.
 
     >>> fm.bounce(scene.replace({"contact.law": "tsuji", "contact.restitution": 0.5})).outcome

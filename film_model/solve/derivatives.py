@@ -29,9 +29,6 @@ from film_model.solve.vibration import Vibration
 
 ALONG = " along the surface"
 
-POOR = 1e-6
-"""Estimated relative error from which a warning names the derivative."""
-
 
 RESULTS = {**SUMMARY, **OBLIQUE}
 """What is differentiated, with dimension and meaning; results along the surface of impacts with friction only."""
@@ -279,9 +276,10 @@ def _kinks_along(entries: Sequence[Entry], found: Slopes) -> Iterable[str]:
 
 
 def _poor(entries: Sequence[Entry], found: Slopes, which: str = "") -> Iterable[str]:
+    poor = 1e-6
     for k, entry in enumerate(entries):
-        worst = max(found.errors[k].tolist(), key=lambda error: error if error > POOR else 0.0)
-        if worst > POOR:
+        worst = max(found.errors[k].tolist(), key=lambda error: error if error > poor else 0.0)
+        if worst > poor:
             yield f"derivatives{which} by {entry.path}: estimated relative error up to {worst:.1e}"
 
 

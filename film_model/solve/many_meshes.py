@@ -23,11 +23,8 @@ FIRST_SEGMENTS = 8
 """Segments per stage of the first trial: few, because every segment costs time in all impacts. Lanes need three on the
 mesh of half as many, and meshes of three agree by chance (tests/test_sweep_accuracy.py)."""
 
-SAMPLE_LEAST, SAMPLE_SHARE = 64, 256
+SAMPLE_SHARE = 256
 """The shared mesh is found from at least this number and this fraction (1/256) of the impacts."""
-
-TABLED = 1.5
-"""The exponent of forces and branches that the core has tables and polynomials for (docs/method.md, section 10)."""
 
 SMALL = 1e-9
 """Refinement ends if an estimate below this stalls: the rest is rounding."""
@@ -127,9 +124,10 @@ def _doubted(problem: Problem, solver: Solver, made: Marched, left: Index, n: in
 
 def _by_powers(problem: Problem) -> bool:
     """Whether tables or Taylor polynomials replace the lines of all stages and branches on moving targets."""
+    tabled = 1.5  # of forces and branches that the core has tables and polynomials for (docs/method.md, section 10)
     forces = [stage.force for stage in problem.curve.stages]
-    powers = all(isinstance(f, Power) and (f.exponent == TABLED or f.coefficient == 0.0) for f in forces)
-    return powers and problem.curve.steepest in (0.0, 1.0, TABLED)  # lines of straight branches are exact
+    powers = all(isinstance(f, Power) and (f.exponent == tabled or f.coefficient == 0.0) for f in forces)
+    return powers and problem.curve.steepest in (0.0, 1.0, tabled)  # lines of straight branches are exact
 
 
 def _refine(part: Problem, solver: Solver, made: Marched, places: Index, n: int) -> Index:
@@ -201,12 +199,13 @@ def _with_segments(problem: Problem, solver: Solver, n: int) -> Marched:
 
 def _shared_segments(problem: Problem, solver: Solver) -> int:
     """Segments per stage with which `EASY` of a sample meet the accuracy."""
+    sample_least = 64  # and 1/256 of the impacts
     assert solver.accuracy is not None
     count = problem.approach.size
     n = FIRST_SEGMENTS
-    if count <= SAMPLE_LEAST:
+    if count <= sample_least:
         return n
-    spread = np.linspace(0, count - 1, max(SAMPLE_LEAST, count // SAMPLE_SHARE)).astype(np.intp)
+    spread = np.linspace(0, count - 1, max(sample_least, count // SAMPLE_SHARE)).astype(np.intp)
     sample = problem.part(spread)
     while n < MOST_SEGMENTS:
         (status, coarse), (other, fine) = (_march(sample, solver, k) for k in (_half(n, solver), n))

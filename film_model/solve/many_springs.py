@@ -25,9 +25,6 @@ from film_model.scene.rolling import sliding_of
 from film_model.solve.accuracy import mesh_of
 from film_model.solve.many_meshes import recorded_segments
 
-AT_ONCE = 64
-"""Impacts whose motion is sampled at a time, which a processor's cache holds."""
-
 
 class Normal(NamedTuple):
     """Normal motions. status: the core's. segments: of the march. rebound: m/s. duration: of contact, s. estimated:
@@ -58,11 +55,12 @@ def by_springs(problem: Problem, normal: Normal, solver: Solver) -> Iterator[tup
     solution is not coarse there are as many as possible from the start, for results that are smooth over the impacts.
     Impacts without a record are left out.
     """
+    at_once = 64  # impacts whose motion a processor's cache holds
     accuracy = solver.accuracy or DEFAULT_ACCURACY
     levels = springs.LEVELS if coarseness(solver) else springs.LEVELS[-1:]
     tolerance = accuracy if problem.curve.reversible else max(accuracy, springs.MODELLED)
-    for begin in range(0, normal.status.size, AT_ONCE):
-        places = np.arange(begin, min(begin + AT_ONCE, normal.status.size))
+    for begin in range(0, normal.status.size, at_once):
+        places = np.arange(begin, min(begin + at_once, normal.status.size))
         part, motion = problem.part(places), normal.of(places)
         found = _followed(_Motions(part, motion.segments, motion.duration, solver), motion.rebound, tolerance, levels)
         known, summary, regime, error = found

@@ -42,9 +42,6 @@ KINK = 1e-7
 """Fourth difference of a stencil over the value: h⁴ f⁽⁴⁾ of a smooth value, and up to 2 h times the jump of its slope
 at a kink. Needed by tests/test_derivatives.py."""
 
-TOGETHER = 8192
-"""Stencils that are marched at a time, which bounds the memory."""
-
 SMOOTH, NO_DERIVATIVE = 0, 2
 """Sides of a derivative; 1 and −1 are the one-sided ones towards larger and smaller values."""
 
@@ -152,11 +149,12 @@ def differences(pairs: Pairs, solver: Solver, target: float, found: Slopes) -> N
 
     target: estimated error up to which meshes are refined.
     """
+    together = 8192  # stencils at a time, which bounds the memory
     left = np.flatnonzero(found.side == NO_DERIVATIVE)
     for side, stencil in STENCILS.items() if left.size else ():
         tried = left[pairs.part(left).fits(stencil.offsets)]
-        for first in range(0, tried.size, TOGETHER):
-            places = tried[first : first + TOGETHER]
+        for first in range(0, tried.size, together):
+            places = tried[first : first + together]
             _set(found, places, _Marches(pairs.part(places), solver, stencil, target), side)
         left = left[found.side[left] == NO_DERIVATIVE]
 

@@ -24,8 +24,6 @@ from film_model.solve.vibration import Moment
 
 Array = NDArray[np.float64]
 
-MOST_EVENTS = 10_000
-
 
 class System(NamedTuple):
     """Modes in the units of the march: ω_n², r_n, 2 ζ_n ω_n; the load p, and the force f(ξ) on the present branch."""
@@ -108,6 +106,7 @@ def integrate(
     that takes fixed steps of the length `step` (`film_model.studies.modal_newmark`). Raises SimulationError if it takes
     too long, ValueError for a damped law.
     """
+    most_events = 10_000
     from scipy.integrate import solve_ivp
 
     if problem.law.damped:
@@ -174,8 +173,8 @@ def integrate(
             if name in ("contact_begins", "contact_ends"):
                 values[0] = state.xi_free
             events.append(Moment(name, t, values.tolist(), branch))
-        if len(events) > MOST_EVENTS:
-            raise SimulationError(f"more than {MOST_EVENTS} events before the impactor leaves the target")
+        if len(events) > most_events:
+            raise SimulationError(f"more than {most_events} events before the impactor leaves the target")
         held, free = native.State.from_buffer_copy(state), state.branch == native.FREE
         until, waits = (limit, True) if not free else _wait(t, y, load, state.xi_free, frequency, limit)
         if free:

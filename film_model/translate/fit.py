@@ -27,15 +27,6 @@ from film_model.translate.march import march
 COMPARED = {"force": "maximum_force", "duration": "contact_duration", "restitution": "coefficient_of_restitution"}
 """What is compared, and its name in the summary of an impact."""
 
-LEAST_RESTITUTION = 0.05
-"""Slower rebounds are refused: near 0 an engine's law separates very late or not at all."""
-
-MOST_EVALUATIONS = 60
-"""Evaluations of a fit; it needs 5 to 30."""
-
-_STEP = 1e-4
-"""Relative step of the finite differences."""
-
 _SPAN = math.log(1e6)
 """A logarithmic parameter stays within this factor of its start."""
 
@@ -206,6 +197,7 @@ def _velocities(scene: Scene, given: Sequence[Any], count: int) -> Array:
 
 def _impacts(scene: Scene, velocities: Array) -> ManyResult:
     """Our impacts, without weight: engines apply gravity themselves. Raises SimulationError."""
+    least_restitution = 0.05  # near 0 an engine's law separates very late or not at all
     light = scene_at(scene, float(velocities[0]))
     result = simulate_many(light, {"impactor.velocity": velocities + scene.target.velocity})
     for problem in result.problems:
@@ -218,10 +210,10 @@ def _impacts(scene: Scene, velocities: Array) -> ManyResult:
             "structure in the engine, or set boundary_reflections = false in [effects]"
         )
     restitution = result.summary["coefficient_of_restitution"]
-    bad = np.flatnonzero((status != 1) | ~(restitution >= LEAST_RESTITUTION))
+    bad = np.flatnonzero((status != 1) | ~(restitution >= least_restitution))
     if bad.size:
         first = int(bad[0])
-        reason = f"the coefficient of restitution is {restitution[first]:.2g}, below {LEAST_RESTITUTION}"
+        reason = f"the coefficient of restitution is {restitution[first]:.2g}, below {least_restitution}"
         if status[first] != 1:
             reason = STATUSES[int(status[first])].sentence
         raise SimulationError(f"at {velocities[first]:g} m/s: {reason}; all impacts must end in a rebound")
@@ -293,6 +285,7 @@ def _fitted(
     models: Mapping[str, Tangential],
 ) -> Translation:
     """The law with its parameters fitted."""
+    most_evaluations = 60  # it needs 5 to 30
     from scipy.optimize import least_squares
 
     scale = _Scale(law.parameters, law.start(pair, middle), middle.depth)
@@ -308,7 +301,8 @@ def _fitted(
 
     def jacobian(x: Array) -> Any:
         """Central differences, all parameters in one march; one-sided at a bound."""
-        up, down = np.minimum(x + _STEP, scale.high), np.maximum(x - _STEP, scale.low)
+        small = 1e-4
+        up, down = np.minimum(x + small, scale.high), np.maximum(x - small, scale.low)
         moved = np.array([np.where(np.arange(count) == i, end, x) for i in range(count) for end in (up, down)])
         rows = np.repeat(moved, len(velocities), axis=0).T
         found = errors(scale.values(rows), np.tile(velocities, 2 * count), 2 * count)
@@ -317,10 +311,10 @@ def _fitted(
     slopes: Any = jacobian
     bounds = scale.low, scale.high
     best: Any = least_squares(
-        residuals, scale.start, slopes, bounds, x_scale="jac", ftol=1e-7, max_nfev=MOST_EVALUATIONS
+        residuals, scale.start, slopes, bounds, x_scale="jac", ftol=1e-7, max_nfev=most_evaluations
     )
     if best.status == 0:
-        warnings = (*warnings, f"law {law.name}: the fit had not converged after {MOST_EVALUATIONS} evaluations")
+        warnings = (*warnings, f"law {law.name}: the fit had not converged after {most_evaluations} evaluations")
     values = {name: float(value) for name, value in scale.values(best.x).items()}
     impacts = march(law, pair, values, velocities)
     found = {name: getattr(impacts, name) for name in COMPARED}

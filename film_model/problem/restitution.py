@@ -10,8 +10,6 @@ from numpy.typing import NDArray
 
 from film_model.core import native
 
-_SEGMENTS = 24
-
 
 class Rise(NamedTuple):
     """Restitution rises from `low` to `high` between two velocities, and between the depths they lead to, on a fixed
@@ -34,7 +32,7 @@ def rises(curve: native.Curve, ratio: int) -> tuple[Rise, ...]:
     depths = np.geomspace(curve.stage[0].end, min(last.end, 1e4 * curve.stage[0].end), count)
     start: NDArray[Any] = np.zeros(count, native.START_DTYPE)
     start["nu"], start["stop_velocity"], start["time_limit"] = _speeds(curve, depths), -0.0, math.inf
-    mesh = native.mesh(native.WORK_PRESERVING, _SEGMENTS, ratio * _SEGMENTS)
+    mesh = native.mesh(native.WORK_PRESERVING, 24, ratio * 24)
     status, found = native.batch(curve, mesh, start, native.INSTRUCTIONS.index("plain"))
     ended = status == native.EVENT
     nu, depth = start["nu"][ended], found["maximum_indentation"][ended]

@@ -23,9 +23,6 @@ FIRST_SEGMENTS = 8
 """Segments per stage of the first trial: few, because every segment costs time in all impacts. Lanes need three on the
 mesh of half as many, and meshes of three agree by chance (tests/test_sweep_accuracy.py)."""
 
-SAMPLE_SHARE = 256
-"""The shared mesh is found from at least this number and this fraction (1/256) of the impacts."""
-
 SMALL = 1e-9
 """Refinement ends if an estimate below this stalls: the rest is rounding."""
 
@@ -205,7 +202,7 @@ def _shared_segments(problem: Problem, solver: Solver) -> int:
     n = FIRST_SEGMENTS
     if count <= sample_least:
         return n
-    spread = np.linspace(0, count - 1, max(sample_least, count // SAMPLE_SHARE)).astype(np.intp)
+    spread = np.linspace(0, count - 1, max(sample_least, count // 256)).astype(np.intp)
     sample = problem.part(spread)
     while n < MOST_SEGMENTS:
         (status, coarse), (other, fine) = (_march(sample, solver, k) for k in (_half(n, solver), n))

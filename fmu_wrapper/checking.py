@@ -20,7 +20,7 @@ from film_model.effects.choose import choose
 from film_model.problem.curve import jumps
 from film_model.scene import DEFAULT_ACCURACY, Scene
 from film_model.solve.accuracy import mesh_for
-from film_model.solve.component import DEFAULT_SEGMENTS, ImpactComponent, Outputs
+from film_model.solve.component import ImpactComponent, Outputs
 from film_model.solve.history import MOTION, Event
 from film_model.solve.relaxed import tolerance_for
 from fmu_wrapper import related
@@ -152,7 +152,7 @@ def _compared_vibrations(component: ImpactComponent, data: Data) -> Finding:
 
 def _compared_segments(on: Scene, counts: tuple[int, int]) -> Finding:
     """Whether an FMU has the segments that the library needs."""
-    least, _ = mesh_for(on, choose(on).problem, None, None, None, fallback=DEFAULT_SEGMENTS)
+    least, _ = mesh_for(choose(on).problem, on.solver)
     short = max(ours - theirs for ours, theirs in zip(least, counts, strict=True))
     return Finding("segments", max(short, 0), 0.0, f"the library uses {least}")
 

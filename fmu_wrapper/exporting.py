@@ -21,7 +21,6 @@ from film_model.oblique.stepped import SteppedFriction
 from film_model.problem.problem import Problem
 from film_model.scene import DEFAULT_ACCURACY, Scene
 from film_model.solve.accuracy import mesh_for
-from film_model.solve.component import DEFAULT_SEGMENTS
 from film_model.solve.history import History
 from film_model.solve.motions import modes_for
 from film_model.solve.relaxed import tolerance_for
@@ -201,7 +200,7 @@ def _simulated(scene: Scene, kind: Kind) -> tuple[Choice, tuple[int, int], Histo
     if problem.vibrates or problem.relaxation is not None:
         segments = (0, 0)
     elif history is None or problem.approach == 0.0:
-        segments, _ = mesh_for(scene, problem, None, None, None, fallback=DEFAULT_SEGMENTS)
+        segments, _ = mesh_for(problem, scene.solver)
     else:
         segments = (history.accuracy.segments, history.accuracy.unloading_segments)
     return choice, segments, history

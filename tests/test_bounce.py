@@ -154,7 +154,7 @@ def test_a_plate_with_edges_throws_the_ball_up_again():
     low = [bounce.height < 1e-3 for bounce in bounces.bounces]
     ends = low.index(True)
     assert not all(low[ends:]), "a low bounce is followed by a higher one"
-    assert bounces.rest_time is None or all(low[-module.LOW_BOUNCES :])
+    assert bounces.rest_time is None or all(low[-10:])
 
 
 def test_the_number_of_bounces_is_bounded(monkeypatch):

@@ -12,10 +12,10 @@ from film_model.base.materials import catalogue
 from film_model.base.units import format_si
 from film_model.cli.main import main
 from film_model.effects import elastic_ball
-from film_model.effects.air_drag import terminal_velocity
 from film_model.effects.choose import choose
 from film_model.effects.effect import NOT_JUDGED, NOT_MODELLED, NOT_NEEDED, SIMULATED
 from film_model.effects.material_rules import RING_CRACK
+from film_model.effects.surroundings import terminal_velocity
 
 STEEL = {"youngs_modulus": "210 GPa", "poissons_ratio": 0.3, "density": "7850 kg/m^3"}
 RIGID = {"youngs_modulus": "99 TPa", "poissons_ratio": 0.3, "density": "7850 kg/m^3"}

@@ -15,7 +15,7 @@ from film_model.base.arrays import AGREEMENT
 from film_model.cli.main import main
 from film_model.effects.choose import choose
 from film_model.effects.effect import NOT_JUDGED, NOT_MODELLED, NOT_NEEDED
-from film_model.effects.squeeze_film import squeezed
+from film_model.effects.surroundings import squeezed
 from film_model.explorer.content import Content
 from film_model.explorer.inputs import inputs_of
 

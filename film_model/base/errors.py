@@ -9,9 +9,6 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
-LONGEST_KEY = 160
-"""Characters of a key that a message shows; a file may have a longer one."""
-
 
 @dataclass(frozen=True)
 class Mistake:
@@ -24,7 +21,7 @@ class Mistake:
 
     def __str__(self) -> str:
         place = "" if self.file is None else self.file + ("" if self.line is None else f":{self.line}")
-        return ": ".join(part for part in (place, _shortened(self.key, LONGEST_KEY), self.message) if part)
+        return ": ".join(part for part in (place, _shortened(self.key, 160), self.message) if part)
 
     def moved(self, owner: str) -> Mistake:
         """The same mistake with the first word of its key, the name of a class, replaced by `owner`."""

@@ -44,10 +44,6 @@ class Field:
         return to_si(value, self.dimension) if self.width is None else self.width(value)
 
 
-LONGEST_KEY = 80
-"""Longer keys are cut in messages."""
-
-
 class Part(Protocol):
     """A frozen dataclass with a table of its fields."""
 
@@ -301,7 +297,7 @@ def _instead(key: str, fields: Mapping[str, Field], allowed: Sequence[str]) -> s
 
 def key_text(key: str) -> str:
     """A key as messages show it."""
-    return key if key.replace("-", "_").isidentifier() and len(key) <= LONGEST_KEY else shown(key)
+    return key if key.replace("-", "_").isidentifier() and len(key) <= 80 else shown(key)
 
 
 def table_of(source: object) -> dict[str, Any]:

@@ -76,6 +76,14 @@ def written_whole(target: Path) -> Generator[Path, None, None]:
         flush(target.absolute().parent, os.O_RDONLY)
 
 
+def write_text(target: str | Path, text: str) -> None:
+    """Write a text in UTF-8 as `written_whole` does."""
+    from pathlib import Path
+
+    with written_whole(Path(target)) as beside:
+        beside.write_text(text, "utf-8")
+
+
 def flush(path: Path, flags: int) -> None:
     """Flush a file, or the entries of a folder, to the disk. flags: for opening it."""
     descriptor = os.open(path, flags)

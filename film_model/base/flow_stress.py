@@ -29,9 +29,6 @@ REPRESENTATIVE_STRAIN = 0.08
 MOST_HARDENING = 0.6
 """Largest strain hardening exponent n."""
 
-SETTLED, MOST_STEPS = 1e-12, 12
-"""Change of ln Y at which the iteration ends, after which its error is the square; about 6 steps are taken."""
-
 MOST_OVER_YIELD = 3.0
 """Largest flow stress from a hardness over the yield strength given beside it."""
 
@@ -58,12 +55,13 @@ def yield_of_flow(flow: Any, exponent: Any, modulus: Any) -> Any:
     Newton's method for ln Y from Y = flow: the function is convex and grows, so that it converges from above.
     """
     strength = flow
-    for _ in range(MOST_STEPS):
+    for _ in range(12):
         stretch = modulus * REPRESENTATIVE_STRAIN / strength
         excess = logarithm(strength / flow) + exponent * logarithm(1.0 + stretch)
         step = excess / (1.0 - exponent * stretch / (1.0 + stretch))
         strength = strength * exponential(-step)
-        if not any_of(abs(step) > SETTLED):
+        # the error is then the square of this change of ln Y; about 6 steps are taken
+        if not any_of(abs(step) > 1e-12):
             break
     return strength
 

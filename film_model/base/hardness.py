@@ -18,9 +18,6 @@ from film_model.base.units import to_si
 VICKERS = 9.80665e6 / 0.927
 """Mean pressure over the projected area of 1 HV, Pa."""
 
-BRINELL_OVER_VICKERS = 0.95
-"""HB/HV in ISO 18265, table A.1, from 76 to 618 HB; rounding aside, constant."""
-
 CONVERSION_SCATTER = 0.05
 """Relative scatter of HV converted from HB or HRC: ±2 HRC or ±20 HV are common between steels of one number."""
 
@@ -83,7 +80,8 @@ def _scaled(found: re.Match[str], text: str) -> tuple[float, str]:
 
 
 def _vickers(number: float, scale: str) -> float:
-    return number if scale == "HV" else number / BRINELL_OVER_VICKERS
+    # HB/HV = 0.95 in ISO 18265, table A.1, from 76 to 618 HB; rounding aside, constant
+    return number if scale == "HV" else number / 0.95
 
 
 HARDNESS = Field(_read, _NEEDED, False, "pressure", _RANGE.low, _RANGE.high, width=_read_width)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, MutableMapping
+from collections import UserDict
 from importlib import import_module
 from types import MethodType
 from typing import Any, TypeVar
@@ -10,7 +10,7 @@ from typing import Any, TypeVar
 T = TypeVar("T")
 
 
-class LateClasses(MutableMapping[str, type[T]]):
+class LateClasses(UserDict[str, type[T]]):
     """Classes by their names in scene files, each in a file of its own in `package`.
 
     The file and the class are named alike: "half-space" is `HalfSpace` in `half_space.py`. An import takes as long as a
@@ -18,30 +18,15 @@ class LateClasses(MutableMapping[str, type[T]]):
     """
 
     def __init__(self, package: str, names: tuple[str, ...]) -> None:
+        super().__init__()
         self._package = package
-        self._loaded: dict[str, type[T] | None] = dict.fromkeys(names)
+        self.data: dict[str, Any] = dict.fromkeys(names)
 
     def __getitem__(self, name: str) -> type[T]:
-        found = self._loaded[name]
-        if found is None:
+        if self.data[name] is None:
             module = import_module(f"{self._package}.{name.replace('-', '_')}")
-            found = self._loaded[name] = getattr(module, _class_name(name))
-        return found
-
-    def __setitem__(self, name: str, value: type[T]) -> None:
-        self._loaded[name] = value
-
-    def __delitem__(self, name: str) -> None:
-        del self._loaded[name]
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(self._loaded)
-
-    def __len__(self) -> int:
-        return len(self._loaded)
-
-    def __contains__(self, name: object) -> bool:
-        return name in self._loaded
+            self.data[name] = getattr(module, _class_name(name))
+        return self.data[name]
 
     def __repr__(self) -> str:
         return f"<{self._package}: {', '.join(self)}>"

@@ -23,12 +23,8 @@ class RateHardening(NamedTuple):
     def factor(self, rate: Any) -> Any:
         """S/S_y at a strain rate, 1/s."""
         johnson_cook = 1.0 + self.coefficient * logarithm(greater(rate, 1.0))
-        scaled = greater(rate * self.slowness, LEAST)
+        scaled = greater(rate * self.slowness, 1e-300)  # for ε̇/D = 0, whose logarithm is not finite
         return johnson_cook + exponential(self.power * logarithm(scaled)) * (self.slowness > 0.0)
-
-
-LEAST = 1e-300
-"""Stands for ε̇/D = 0, whose logarithm is not finite."""
 
 
 def rate_constants(material: Material) -> tuple[float, float, float]:

@@ -11,9 +11,6 @@ from film_model.base.fields import Field, choice, measure, mistake
 SHAPES = {"solid": 0.4, "shell": 2.0 / 3.0}
 """Bodies → J/(m R²)."""
 
-SAME = 0.01
-"""Relative difference up to which a moment of inertia is that of the shape."""
-
 TURNING: Mapping[str, Field] = {
     "spin": measure("angular_frequency", -1e7, 1e7),
     "shape": Field(choice(*SHAPES).read, '"solid" or "shell" is needed'),
@@ -26,7 +23,7 @@ def contradictions(ball: Any) -> list[Mistake]:
     if ball.inertia is None or ball.shape is None or ball.own_mass is None:
         return []
     own = SHAPES[ball.shape] * ball.own_mass * ball.radius**2
-    if abs(ball.inertia - own) <= SAME * own:
+    if abs(ball.inertia - own) <= 0.01 * own:
         return []
     what = f'{ball.inertia:.4g} kg m^2 contradicts shape = "{ball.shape}", which has {own:.4g} kg m^2'
     return [mistake(ball, "inertia", f"{what}: leave one of them out")]

@@ -46,7 +46,6 @@ SYMBOLS: dict[str, tuple[Decimal, Powers]] = {
 _MILLIPASCAL_SECOND = re.compile(r"mPa\s*[* ]\s*s")
 """The usual unit of viscosities, in which mPa is meant."""
 
-_SHORTEST_PINT_WORD = 4  # letters; pint reads shorter misspelt words as other units
 _WORDS = [
     f"{prefix}{unit}{plural}"
     for unit in ("meter", "metre", "gram", "second", "newton", "pascal", "joule")
@@ -85,7 +84,7 @@ def parse_unit(unit: str) -> tuple[Decimal, Powers]:
 
 
 def _from_pint(word: str) -> tuple[Decimal, Powers]:
-    if len(word) < _SHORTEST_PINT_WORD:
+    if len(word) < 4:  # pint reads shorter misspelt words as other units
         raise ValueError(f'no unit is called "{word}"' + _hint(word))
     import pint
 

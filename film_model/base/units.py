@@ -13,9 +13,9 @@ from __future__ import annotations
 import math
 import numbers
 import re
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable, Mapping
 from decimal import Decimal
-from functools import cache
+from functools import cache, partial
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias, TypeGuard, cast
 
 from film_model.base.errors import shown
@@ -129,6 +129,23 @@ def quantity(value: Any, dimension: str) -> Any:
     import pint
 
     return pint.get_application_registry().Quantity(value, scene_unit(dimension))
+
+
+class _WithUnits:
+    """An attribute with units: what `read` finds in the object, SI, or None."""
+
+    def __init__(self, dimension: str, meaning: str, read: Callable[[Any], Any]) -> None:
+        self.dimension, self.__doc__, self.read = dimension, meaning, read
+
+    def __get__(self, instance: object | None, owner: type) -> Any:
+        value = None if instance is None else self.read(instance)
+        return self if instance is None else None if value is None else quantity(value, self.dimension)
+
+
+def add_quantities(owner: type, table: Mapping[str, tuple[str, str]], read: Callable[..., Any]) -> None:
+    """Give a class attributes with units: name → dimension and meaning. read(object, name=…): a value, SI or None."""
+    for name, (dimension, meaning) in table.items():
+        setattr(owner, name, _WithUnits(dimension, meaning, partial(read, name=name)))
 
 
 def si_unit(dimension: str) -> str:

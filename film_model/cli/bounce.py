@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import argparse
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-from film_model.cli.output import add_force, add_json, add_plot, check_outputs, give
+from film_model.cli.output import Commands, add_common, add_scene, check_dataset, give_result, read_scene
 
 if TYPE_CHECKING:
     from film_model.solve.bounce import Bounce, Bounces
@@ -14,27 +14,23 @@ MOST_ROWS = 12
 """Rows of the table without --verbose, half of them at its end."""
 
 
-def add_commands(named: Any) -> None:
+def add_commands(commands: Commands) -> None:
     """The command and its options."""
-    parser: argparse.ArgumentParser = named.add_parser("bounce", help="all bounces of a ball under gravity, to rest")
-    parser.add_argument("scene", help="scene file (TOML)")
+    parser = commands.add("bounce", "all bounces of a ball under gravity, to rest", bounce)
+    add_scene(parser)
     parser.add_argument("--resolution", metavar="LENGTH", help="a lower bounce is rest (default: 1e-6 of the fall)")
     parser.add_argument("--accuracy", type=float, help="relative accuracy of the first impact, e.g. 1e-6")
     parser.add_argument("--output", metavar="FILE", help="write all bounces: .nc, .zarr, .csv, .parquet or .mat")
-    add_plot(parser, "draw height over time")
     parser.add_argument("--verbose", action="store_true", help="print every bounce")
-    add_force(parser)
-    add_json(parser)
-    parser.set_defaults(command=bounce)
+    add_common(parser, plot="draw height over time")
 
 
 def bounce(options: argparse.Namespace) -> int:
-    from film_model.scene import Scene
     from film_model.solve.bounce import bounce_quietly
 
-    check_outputs(options)
-    done = bounce_quietly(Scene.from_toml(options.scene), resolution=options.resolution, accuracy=options.accuracy)
-    return give(options, done, lambda: _table(done, len(done.bounces) if options.verbose else MOST_ROWS))
+    check_dataset(options)
+    done = bounce_quietly(read_scene(options), resolution=options.resolution, accuracy=options.accuracy)
+    return give_result(options, done, lambda: _table(done, len(done.bounces) if options.verbose else MOST_ROWS))
 
 
 def _table(done: Bounces, most: int) -> str:

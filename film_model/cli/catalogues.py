@@ -5,94 +5,65 @@ from __future__ import annotations
 import argparse
 from typing import TYPE_CHECKING, Any
 
-from film_model.cli.output import (
-    DONE,
-    add_force,
-    add_json,
-    add_plot,
-    check_picture,
-    print_json,
-    print_warnings,
-    print_written,
-)
+from film_model.cli.output import DONE, Commands, add_common, add_scene, give, print_json, read_scene
 
 if TYPE_CHECKING:
     from film_model.base.materials import Material
     from film_model.laws import AbstractLaw
 
 
-def add_commands(named: Any) -> None:
+def add_commands(commands: Commands) -> None:
     """The commands and their options."""
-    parser: argparse.ArgumentParser = named.add_parser(
-        "explain", help="list the effects that a scene requires, with the numbers that decide"
-    )
-    parser.add_argument("scene", help="scene file (TOML)")
+    parser = commands.add("explain", "list the effects that a scene requires, with the numbers that decide", explain)
+    add_scene(parser)
     parser.add_argument("--verbose", action="store_true", help="also indicators, thresholds, costs and sources")
     parser.add_argument("--law", choices=("all",), help="all: also compare what the contact laws predict")
-    add_plot(parser, "draw the scene on a map of regimes")
-    add_force(parser, "overwrite an existing picture")
-    add_json(parser)
-    parser.set_defaults(command=explain)
+    add_common(parser, plot="draw the scene on a map of regimes")
 
-    parser = named.add_parser("laws", help="list the contact laws and their parameters")
-    add_json(parser)
-    add_plot(parser, "draw all of them")
-    add_force(parser, "overwrite an existing picture")
-    parser.set_defaults(command=laws)
+    parser = commands.add("laws", "list the contact laws and their parameters", laws)
+    add_common(parser, plot="draw all of them")
 
-    parser = named.add_parser("cite", help="print what to cite for a scene, as BibTeX")
-    parser.add_argument("scene", help="scene file (TOML)")
-    parser.set_defaults(command=cite)
+    parser = commands.add("cite", "print what to cite for a scene, as BibTeX", cite)
+    add_scene(parser)
 
-    parser = named.add_parser("materials", help="list the materials of the catalogue, or show one")
+    parser = commands.add("materials", "list the materials of the catalogue, or show one", materials)
     parser.add_argument("name", nargs="?", help="show this one, with the sources of its values")
     parser.add_argument("--search", metavar="WORD", help="list only materials whose name contains this")
-    add_json(parser)
-    parser.set_defaults(command=materials)
+    add_common(parser, force="")
 
 
 def explain(options: argparse.Namespace) -> int:
-    from film_model.scene import Scene
     from film_model.studies import explain as explaining
 
-    check_picture(options.plot, options.force)
-    scene = Scene.from_toml(options.scene)
+    scene = read_scene(options)
     report = explaining.explain(scene, laws=options.law == "all")
-    if options.plot:
+
+    def draw(path: str) -> None:
         from film_model.plot.regimes import plot_regimes
 
-        plot_regimes(scene, options.plot)
-    if options.json:
-        print_json(report)
-    else:
-        print(explaining.effects_text(scene, verbose=options.verbose))
-        if options.law:
-            print("\n" + explaining.laws_text(report["laws"]))
-        print_written(options.plot)
-    print_warnings(report["warnings"])
-    return DONE
+        plot_regimes(scene, path)
+
+    def text() -> str:
+        effects = explaining.effects_text(scene, verbose=options.verbose)
+        return f"{effects}\n\n{explaining.laws_text(report['laws'])}" if options.law else effects
+
+    return give(options, text, lambda: report, report["warnings"], plot=draw)
 
 
 def laws(options: argparse.Namespace) -> int:
     from film_model.laws import LAWS
     from film_model.laws.unloading import UNLOADINGS
 
-    if options.plot:
+    def draw(path: str) -> None:
         from film_model.plot.laws import plot_laws
 
-        check_picture(options.plot, options.force)
-        plot_laws(options.plot)
-        print_written(options.plot)
+        plot_laws(path)
+
     rows = [{"name": name, **_law_row(law)} for name, law in LAWS.items()]
     rules = [{"name": name, **_law_row(law)} for name, law in UNLOADINGS.items()]
-    if options.json:
-        return print_json({"laws": rows, "unloadings": rules})
-    for row in rows:
-        _print_law(row)
-    print('\nRules of unloading for any law without damping, unloading = "..." in [contact]:\n')
-    for row in rules:
-        _print_law(row)
-    return DONE
+    heading = '\nRules of unloading for any law without damping, unloading = "..." in [contact]:\n'
+    texts = (*map(_law_text, rows), heading, *map(_law_text, rules))
+    return give(options, lambda: "\n".join(texts), lambda: {"laws": rows, "unloadings": rules}, plot=draw)
 
 
 def _law_row(law: type[AbstractLaw]) -> dict[str, Any]:
@@ -101,32 +72,26 @@ def _law_row(law: type[AbstractLaw]) -> dict[str, Any]:
         "source": law.source,
         "validity": law.validity,
         "parameters": {
-            key: {
-                "dimension": p.dimension,
-                "choices": list(p.choices),
-                "required": p.required,
-                "several": p.several,
-                "help": p.help,
-            }
+            key: {name: getattr(p, name) for name in ("dimension", "choices", "required", "several", "help")}
             for key, p in law.parameters.items()
         },
     }
 
 
-def _print_law(row: dict[str, Any]) -> None:
-    print(f"{row['name']:20}{row['summary']}\n{'':20}{row['source']}\n{'':20}valid: {row['validity']}")
+def _law_text(row: dict[str, Any]) -> str:
+    lines = [f"{row['name']:20}{row['summary']}", f"{'':20}{row['source']}", f"{'':20}valid: {row['validity']}"]
     for key, parameter in row["parameters"].items():
         kind = " | ".join(parameter["choices"]) or parameter["dimension"].replace("_", " ")
         kind = f"list of {kind}s" if parameter["several"] else kind
         needed = "" if parameter["required"] else ", optional"
-        print(f"{'':20}  {key}: {parameter['help']} ({kind}{needed})")
+        lines.append(f"{'':20}  {key}: {parameter['help']} ({kind}{needed})")
+    return "\n".join(lines)
 
 
 def cite(options: argparse.Namespace) -> int:
-    from film_model.scene import Scene
     from film_model.solve.simulate import simulate_quietly
 
-    print(simulate_quietly(Scene.from_toml(options.scene)).citations())
+    print(simulate_quietly(read_scene(options)).citations())
     return DONE
 
 

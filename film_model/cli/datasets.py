@@ -9,33 +9,29 @@ from typing import TYPE_CHECKING, Any
 from film_model.cli.output import (
     DONE,
     FAILED,
-    add_force,
-    add_json,
-    add_plot,
-    add_style,
-    check_outputs,
+    Commands,
+    add_common,
+    check_dataset,
     check_writable,
     give,
+    give_result,
     listed,
     print_json,
     print_note,
     print_warnings,
     print_written,
+    read_scene,
 )
 
 if TYPE_CHECKING:
+    from film_datasets.sweeps import Sweep
     from film_model.scene import Scene
 
-if TYPE_CHECKING:
-    from film_datasets.sweeps import Sweep
 
-
-def add_commands(named: Any) -> None:
+def add_commands(commands: Commands) -> None:
     """The commands and their options."""
-    _add_sweep(named.add_parser("sweep", help="simulate the impacts of a sweep file"))
-    parser: argparse.ArgumentParser = named.add_parser(
-        "plot", help="draw a dataset: a history, a measurement, a study, or a quantity of a sweep"
-    )
+    _add_sweep(commands.add("sweep", "simulate the impacts of a sweep file", sweep))
+    parser = commands.add("plot", "draw a dataset: a history, a measurement, a study, or a quantity of a sweep", plot)
     parser.add_argument("file", metavar="FILE", help="FILE.nc or FILE.zarr")
     parser.add_argument("--output", metavar="PICTURE", help=".png, .svg or .pdf (default: FILE.png)")
     parser.add_argument(
@@ -44,11 +40,9 @@ def add_commands(named: Any) -> None:
     parser.add_argument("--over", metavar="NAME[,NAME]", help="one swept quantity for lines, or two for a heat map")
     parser.add_argument("--at", metavar="NAME=VALUE", action="append", help="of another swept quantity, SI or a word")
     parser.add_argument("--kind", metavar="KIND", help="of a sweep: histogram, ecdf, scatter or tornado")
-    add_style(parser)
-    add_force(parser, "overwrite an existing picture")
-    parser.set_defaults(command=plot)
+    add_common(parser, style=True, json=False)
 
-    parser = named.add_parser("identify", help="from a measurement: parameters of a scene, or the contact force")
+    parser = commands.add("identify", "from a measurement: parameters of a scene, or the contact force", identify)
     parser.add_argument(
         "measured", nargs="+", help="CSV files: time and force, or velocity and restitution, with units"
     )
@@ -81,10 +75,7 @@ def add_commands(named: Any) -> None:
         help="how they are found; profile: exactly",
     )
     parser.add_argument("--output", metavar="FILE", help="write the force: .nc, .zarr, .csv, .parquet or .mat")
-    add_plot(parser, "draw measurement and fit")
-    add_force(parser)
-    add_json(parser)
-    parser.set_defaults(command=identify)
+    add_common(parser, plot="draw measurement and fit")
 
 
 def _add_sweep(parser: argparse.ArgumentParser) -> None:
@@ -113,9 +104,7 @@ def _add_sweep(parser: argparse.ArgumentParser) -> None:
     how.add_argument("--resume", action="store_true", help="continue an interrupted run")
     how.add_argument("--shard", metavar="K/N", help="compute only part K of N into FILE.zarr; K is a number from 1")
     how.add_argument("--finish", action="store_true", help="check that all parts are there, and complete FILE.zarr")
-    add_force(parser, "overwrite an existing output and start again")
-    add_json(parser)
-    parser.set_defaults(command=sweep)
+    add_common(parser, force="overwrite an existing output and start again")
 
 
 def sweep(options: argparse.Namespace) -> int:
@@ -224,10 +213,9 @@ def _column(pair: str) -> tuple[str, str]:
 
 def identify(options: argparse.Namespace) -> int:
     import film_datasets
-    from film_model.scene import Scene
 
-    check_outputs(options)
-    scene = Scene.from_toml(options.scene)
+    check_dataset(options)
+    scene = read_scene(options)
     columns = dict(map(_column, options.columns or ()))
     if options.force_from:
         return _identify_force(options, scene, columns)
@@ -239,7 +227,7 @@ def identify(options: argparse.Namespace) -> int:
     if options.law:
         return _compare(options, measured, scene, given)
     found = film_datasets.identify(measured, scene, listed(options.fit), options.confidence, **given)
-    return give(options, found, found.table)
+    return give_result(options, found, found.table)
 
 
 def _identify_force(options: argparse.Namespace, scene: Scene, columns: dict[str, str]) -> int:
@@ -252,7 +240,7 @@ def _identify_force(options: argparse.Namespace, scene: Scene, columns: dict[str
     if len(options.measured) > 1:
         raise ValueError(f"--force-from: {len(options.measured)} files are given, one is needed")
     found = film_datasets.identify_force(options.measured[0], scene, options.confidence, columns=columns)
-    return give(options, found, found.table)
+    return give_result(options, found, found.table)
 
 
 def _compare(options: argparse.Namespace, measured: Any, scene: Scene, given: dict[str, Any]) -> int:
@@ -263,12 +251,7 @@ def _compare(options: argparse.Namespace, measured: Any, scene: Scene, given: di
     laws = list(LAWS) if options.law == "all" else listed(options.law)
     found = compare_laws(measured, scene, listed(options.fit), laws, options.confidence, **given)
     best = found[0].fit
-    if options.plot and best is not None:
-        best.plot(options.plot)
-    if options.json:
-        print_json({"laws": [one.to_dict() for one in found]})
-    else:
-        print(comparison_table(found))
-        print_written(options.plot if best is not None else None)
-    print_warnings(() if best is None else best.warnings)
+    draw, warnings = ({}, ()) if best is None else ({"plot": best.plot}, best.warnings)
+    table = {"laws": [one.to_dict() for one in found]}
+    give(options, lambda: comparison_table(found), lambda: table, warnings, **draw)
     return FAILED if best is None else DONE

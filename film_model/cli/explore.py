@@ -3,23 +3,20 @@
 from __future__ import annotations
 
 import argparse
-from typing import Any
 
-from film_model.cli.output import DONE, add_force, check_writable, print_written
+from film_model.cli.output import DONE, Commands, add_common, add_scene, check_writable, print_written, read_scene
 
 
-def add_commands(named: Any) -> None:
+def add_commands(commands: Commands) -> None:
     """The commands and their options."""
-    parser: argparse.ArgumentParser = named.add_parser("explore", help="simulate in a browser, with sliders")
+    parser = commands.add("explore", "simulate in a browser, with sliders", explore)
     parser.add_argument("scene", nargs="?", help="scene file (TOML); default: an example")
     parser.add_argument("--no-browser", action="store_true", help="only write the page and print where it is")
-    parser.set_defaults(command=explore)
 
-    parser = named.add_parser("export-page", help="write a scene as one self-contained page with sliders")
-    parser.add_argument("scene", help="scene file (TOML)")
+    parser = commands.add("export-page", "write a scene as one self-contained page with sliders", export_page)
+    add_scene(parser)
     parser.add_argument("--output", metavar="FILE.html", default="impact.html", help="the page (impact.html)")
-    add_force(parser)
-    parser.set_defaults(command=export_page)
+    add_common(parser, json=False)
 
 
 def explore(options: argparse.Namespace) -> int:
@@ -28,9 +25,8 @@ def explore(options: argparse.Namespace) -> int:
     from pathlib import Path
 
     from film_model.explorer.page import write_page
-    from film_model.scene import Scene
 
-    scene = None if options.scene is None else Scene.from_toml(options.scene)
+    scene = None if options.scene is None else read_scene(options)
     path = Path(tempfile.mkdtemp(prefix="film-model-"), "explorer.html")
     write_page(path, scene)
     print(path)
@@ -43,11 +39,10 @@ def export_page(options: argparse.Namespace) -> int:
     from pathlib import Path
 
     from film_model.explorer.page import write_page
-    from film_model.scene import Scene
 
     if Path(options.output).suffix.lower() not in (".html", ".htm"):
         raise ValueError(f"--output: {options.output} must end in .html")
     check_writable(options.output, options.force)
-    write_page(Path(options.output), Scene.from_toml(options.scene))
+    write_page(Path(options.output), read_scene(options))
     print_written(options.output)
     return DONE

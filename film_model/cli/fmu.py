@@ -4,15 +4,24 @@ from __future__ import annotations
 
 import argparse
 import sys
-from typing import Any
 
-from film_model.cli.output import DONE, FAILED, add_force, add_json, check_writable, print_json, print_written
+from film_model.cli.output import (
+    DONE,
+    FAILED,
+    Commands,
+    add_common,
+    add_scene,
+    check_writable,
+    give,
+    print_written,
+    read_scene,
+)
 
 
-def add_commands(named: Any) -> None:
+def add_commands(commands: Commands) -> None:
     """The commands and their options."""
-    parser: argparse.ArgumentParser = named.add_parser("export-fmu", help="write the impact of a scene file as an FMU")
-    parser.add_argument("scene", help="scene file (TOML)")
+    parser = commands.add("export-fmu", "write the impact of a scene file as an FMU", export_fmu)
+    add_scene(parser)
     parser.add_argument("--fmi", type=int, choices=(2, 3), default=3, help="FMI version (default: 3)")
     parser.add_argument(
         "--kind", choices=("impact", "contact"), default="impact", help="impactor with its mass, or force element"
@@ -32,27 +41,23 @@ def add_commands(named: Any) -> None:
         "--outputs", choices=("all", "real"), default="all", help="real: for tools that take real outputs only"
     )
     parser.add_argument("--output", metavar="FILE.fmu", help="file to write (default: impact.fmu or contact.fmu)")
-    add_force(parser, "overwrite an existing file")
-    parser.set_defaults(command=export_fmu)
+    add_common(parser, json=False)
 
-    parser = named.add_parser("export-ssp", help="write contact and bodies of a scene file as an SSP package")
-    parser.add_argument("scene", help="scene file (TOML)")
+    parser = commands.add("export-ssp", "write contact and bodies of a scene file as an SSP package", export_ssp)
+    add_scene(parser)
     parser.add_argument("--platform", action="append", metavar="NAME", help="as for export-fmu")
     parser.add_argument("--output", metavar="FILE.ssp", default="impact.ssp", help="file to write (impact.ssp)")
-    add_force(parser, "overwrite an existing file")
-    parser.set_defaults(command=export_ssp)
+    add_common(parser, json=False)
 
-    parser = named.add_parser("check-fmu", help="validate an FMU and compare its runs with the library's")
+    parser = commands.add("check-fmu", "validate an FMU and compare its runs with the library's", check_fmu)
     parser.add_argument("fmu", help="FMU written by export-fmu")
     parser.add_argument("--verbose", action="store_true", help="print every comparison, not one of each run")
-    add_json(parser)
-    parser.set_defaults(command=check_fmu)
+    add_common(parser, force="")
 
 
 def export_fmu(options: argparse.Namespace) -> int:
     import fmu_wrapper
     from film_model.base.units import to_si
-    from film_model.scene import Scene
 
     try:
         gap = to_si(options.initial_gap, "length")
@@ -60,19 +65,9 @@ def export_fmu(options: argparse.Namespace) -> int:
         raise ValueError(f"--initial-gap: {error}") from None
     path = options.output or f"{options.kind}.fmu"
     check_writable(path, options.force)
-    scene = Scene.from_toml(options.scene)
-    fmu_wrapper.export(
-        scene,
-        path,
-        options.fmi,
-        kind=options.kind,
-        initial_gap=gap,
-        platform=options.platform,
-        with_sources=options.with_sources,
-        name=options.name,
-        outputs=options.outputs,
-        overwrite=options.force,
-    )
+    scene = read_scene(options)
+    same = {name: getattr(options, name) for name in ("kind", "platform", "with_sources", "name", "outputs")}
+    fmu_wrapper.export(scene, path, options.fmi, initial_gap=gap, overwrite=options.force, **same)
     print_written(path)
     if options.kind == "impact" and scene.effects.gravity == "auto":
         print("the weight is simulated, however small; the parameter gravity = 0 leaves it out", file=sys.stderr)
@@ -94,10 +89,9 @@ def _say_if_alone(options: argparse.Namespace) -> None:
 
 def export_ssp(options: argparse.Namespace) -> int:
     import fmu_wrapper
-    from film_model.scene import Scene
 
     check_writable(options.output, options.force)
-    scene = Scene.from_toml(options.scene)
+    scene = read_scene(options)
     package = fmu_wrapper.export_ssp(scene, options.output, platform=options.platform, overwrite=options.force)
     print_written(options.output)
     _say_if_alone(options)
@@ -114,15 +108,12 @@ def check_fmu(options: argparse.Namespace) -> int:
     import fmu_wrapper
 
     report = fmu_wrapper.check(options.fmu)
-    if options.json:
-        print_json(report.to_dict())
-    else:
-        for problem in report.problems:
-            print(f"error      {problem}")
-        print(f"{'result':10} {'comparison with the library':48} {'error':>8}  allowed")
-        for finding in report.findings if options.verbose else report.largest():
-            word = "agrees" if finding.good else "differs"
-            where = "" if finding.good else f"  at {finding.where}"
-            print(f"{word:10} {finding.what:48} {finding.difference:8.1e}  {finding.allowed:7.0e}{where}")
-        print(f"{report.path}: {'passed' if report.good else 'failed'}")
+    lines = [f"error      {problem}" for problem in report.problems]
+    lines.append(f"{'result':10} {'comparison with the library':48} {'error':>8}  allowed")
+    for finding in report.findings if options.verbose else report.largest():
+        word = "agrees" if finding.good else "differs"
+        where = "" if finding.good else f"  at {finding.where}"
+        lines.append(f"{word:10} {finding.what:48} {finding.difference:8.1e}  {finding.allowed:7.0e}{where}")
+    lines.append(f"{report.path}: {'passed' if report.good else 'failed'}")
+    give(options, lambda: "\n".join(lines), report.to_dict)
     return DONE if report.good else FAILED

@@ -15,7 +15,7 @@ from contextlib import AbstractContextManager, nullcontext
 from importlib import import_module
 
 from film_model.base.errors import DamagedFile, SceneError, SimulationError, did_you_mean
-from film_model.cli.output import DONE, FAILED, WRONG
+from film_model.cli.output import DONE, FAILED, WRONG, Commands, check_pictures
 from film_model.version import __version__
 
 COMMANDS = {
@@ -23,12 +23,10 @@ COMMANDS = {
     "run": ("run",),
     "bounce": ("bounce",),
     "spectrum": ("spectrum",),
-    "studies": ("cost", "hard-cases"),
-    "validate": ("validate",),
+    "studies": ("cost", "hard-cases", "validate", "reference-impacts", "score"),
     "explore": ("explore", "export-page"),
     "fmu": ("export-fmu", "export-ssp", "check-fmu"),
     "engines": ("contact-for",),
-    "reference_impacts": ("reference-impacts", "score"),
     "modes": ("modes",),
     "datasets": ("sweep", "plot", "identify"),
     "tolerance": ("tolerance",),
@@ -62,6 +60,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         sys.stdout.reconfigure(errors="replace")  # "?" for characters that the encoding lacks
 
     try:
+        check_pictures(options)
         with _pictures_in(getattr(options, "style", None)):
             return options.command(options)
     except (SceneError, DamagedFile) as error:
@@ -93,27 +92,6 @@ def _complain(text: str, status: int) -> int:
     return status
 
 
-class Named:
-    """Collects commands. about: what each does, by name."""
-
-    def __init__(self, whole: argparse.ArgumentParser) -> None:
-        self.about: dict[str, str] = {}
-        self._commands = whole.add_subparsers(
-            required=True, prog="film-model", metavar="COMMAND", help=argparse.SUPPRESS
-        )
-
-    def add_parser(self, name: str, help: str) -> argparse.ArgumentParser:
-        """The parser of one more command."""
-        self.about[name] = help
-        return self._commands.add_parser(name, description=f"{help[:1].upper()}{help[1:]}.")
-
-    def __str__(self) -> str:
-        lines = list[str]()
-        for heading, commands in GROUPS.items():
-            lines += [f"{heading}:", *(f"  {name:18}{self.about[name]}" for name in commands), ""]
-        return "\n".join(lines)
-
-
 def parser(command: str = "") -> argparse.ArgumentParser:
     """The commands and their options; if `command` is one of them, only those of its module, whose import is enough."""
     whole = argparse.ArgumentParser(
@@ -123,12 +101,16 @@ def parser(command: str = "") -> argparse.ArgumentParser:
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     whole.add_argument("--version", action="version", version=f"film-model {__version__}")
-    named = Named(whole)
+    named = Commands(whole)
     own = [module for module, commands in COMMANDS.items() if command in commands]
     for module in own or COMMANDS:
         import_module(f"film_model.cli.{module}").add_commands(named)
     if not own:
-        whole.epilog = f"{named}\nfilm-model COMMAND --help lists the options of a command."
+        listed = (
+            "\n".join([f"{heading}:", *(f"  {name:18}{named.about[name]}" for name in commands), ""])
+            for heading, commands in GROUPS.items()
+        )
+        whole.epilog = "\n".join([*listed, "film-model COMMAND --help lists the options of a command."])
         if command and not command.startswith("-"):
             whole.error(f'"{command}" is no command{did_you_mean(command, named.about)}')
     return whole

@@ -3,19 +3,13 @@
 from __future__ import annotations
 
 import argparse
-from typing import Any
 
-from film_model.cli.output import DONE, add_force, check_writable, print_warnings, print_written
-
-COUPLED = 0.1
-"""Coupling of vibrations by damping from which there is a warning."""
+from film_model.cli.output import DONE, Commands, add_common, check_writable, print_warnings, print_written
 
 
-def add_commands(named: Any) -> None:
+def add_commands(commands: Commands) -> None:
     """The command and its options."""
-    parser: argparse.ArgumentParser = named.add_parser(
-        "modes", "vibrations from a universal file, or from matrices M and K"
-    )
+    parser = commands.add("modes", "vibrations from a universal file, or from matrices M and K", modes)
     parser.add_argument("what", choices=("read",), help='read: write them as a file for kind = "structure"')
     parser.add_argument("file", metavar="FILE", help="FILE.unv or .uff (data sets 55); .npz with K, M and C; .mtx of K")
     parser.add_argument("--mass", metavar="FILE", help="M in Matrix Market format, beside K")
@@ -29,8 +23,7 @@ def add_commands(named: Any) -> None:
         "--mass-unit", choices=("kg", "g", "t"), help="of the model, e.g. t with mm and N (default: the file's, or kg)"
     )
     parser.add_argument("--output", required=True, metavar="FILE.csv", help="file of vibrations")
-    add_force(parser, "overwrite an existing file")
-    parser.set_defaults(command=modes)
+    add_common(parser, json=False)
 
 
 def modes(options: argparse.Namespace) -> int:
@@ -55,7 +48,7 @@ def modes(options: argparse.Namespace) -> int:
         print(f"static compliance {found.static_compliance:.6g} m/N")
     print_written(options.output)
     told = f"damping couples vibrations by up to {found.coupling:.2g} of their own: this is neglected"
-    print_warnings([told] if found.coupling > COUPLED else [])
+    print_warnings([told] if found.coupling > 0.1 else [])
     return DONE
 
 

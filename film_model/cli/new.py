@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import argparse
-from typing import Any
 
-from film_model.base.files import written_whole
-from film_model.cli.output import DONE, add_force, check_writable, print_written
+from film_model.base.files import write_text
+from film_model.cli.output import DONE, Commands, add_common, check_writable, print_written
 
 TARGETS = {
     "half-space": """\
@@ -77,13 +76,12 @@ accuracy = 1e-4                 # relative, of every summary value
 """
 
 
-def add_commands(named: Any) -> None:
+def add_commands(commands: Commands) -> None:
     """The command and its options."""
-    parser: argparse.ArgumentParser = named.add_parser("new", help="write a commented scene file to begin with")
+    parser = commands.add("new", "write a commented scene file to begin with", new)
     parser.add_argument("--kind", choices=tuple(TARGETS), default="half-space", help="of target (default: half-space)")
     parser.add_argument("--output", metavar="FILE.toml", help="write to this file (default: standard output)")
-    add_force(parser, "overwrite an existing file")
-    parser.set_defaults(command=new)
+    add_common(parser, json=False)
 
 
 def new(options: argparse.Namespace) -> int:
@@ -92,9 +90,6 @@ def new(options: argparse.Namespace) -> int:
         print(text, end="")
         return DONE
     check_writable(options.output, options.force)
-    from pathlib import Path
-
-    with written_whole(Path(options.output)) as beside:
-        beside.write_text(text, "utf-8")
+    write_text(options.output, text)
     print_written(options.output)
     return DONE

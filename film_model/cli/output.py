@@ -6,33 +6,63 @@ import argparse
 import os
 import sys
 from collections.abc import Callable, Iterable
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from film_model.base.files import check_replaceable
+
+if TYPE_CHECKING:
+    from film_model.scene import Scene
 
 DONE, WRONG, FAILED = 0, 2, 3
 """Exit statuses: done; the scene or the command line is wrong; the work failed."""
 
 
-def add_json(parser: argparse.ArgumentParser) -> None:
-    """The option --json."""
-    parser.add_argument("--json", action="store_true", help="print one JSON object")
+class Commands:
+    """Collects commands. about: what each does, by name."""
+
+    def __init__(self, whole: argparse.ArgumentParser) -> None:
+        self.about: dict[str, str] = {}
+        self._commands = whole.add_subparsers(
+            required=True, prog="film-model", metavar="COMMAND", help=argparse.SUPPRESS
+        )
+
+    def add(self, name: str, about: str, run: Callable[[argparse.Namespace], int]) -> argparse.ArgumentParser:
+        """The parser of one more command; `run` does its work and returns the exit status."""
+        self.about[name] = about
+        parser = self._commands.add_parser(name, description=f"{about[:1].upper()}{about[1:]}.")
+        parser.set_defaults(command=run)
+        return parser
 
 
-def add_force(parser: argparse.ArgumentParser, what: str = "overwrite existing output files") -> None:
-    """The option --force."""
-    parser.add_argument("--force", action="store_true", help=what)
+def add_scene(parser: argparse.ArgumentParser) -> None:
+    """The scene file, which `read_scene` reads."""
+    parser.add_argument("scene", help="scene file (TOML)")
 
 
-def add_plot(parser: argparse.ArgumentParser, what: str) -> None:
-    """The option --plot."""
-    parser.add_argument("--plot", metavar="FILE", help=f"{what} (.png, .svg or .pdf)")
-    add_style(parser)
+def add_common(
+    parser: argparse.ArgumentParser,
+    *,
+    plot: str = "",
+    style: bool = False,
+    force: str = "overwrite existing files",
+    json: bool = True,
+) -> None:
+    """The options --plot with --style, --force and --json. plot: what is drawn; force: what it does."""
+    if plot:
+        parser.add_argument("--plot", metavar="FILE", help=f"{plot} (.png, .svg or .pdf)")
+    if plot or style:
+        parser.add_argument("--style", choices=("screen", "paper", "dark"), help="of the picture (default: screen)")
+    if force:
+        parser.add_argument("--force", action="store_true", help=force)
+    if json:
+        parser.add_argument("--json", action="store_true", help="print one JSON object")
 
 
-def add_style(parser: argparse.ArgumentParser) -> None:
-    """The option --style, of pictures."""
-    parser.add_argument("--style", choices=("screen", "paper", "dark"), help="of the picture (default: screen)")
+def read_scene(options: argparse.Namespace) -> Scene:
+    """The scene of a file."""
+    from film_model.scene import Scene
+
+    return Scene.from_toml(options.scene)
 
 
 def print_json(table: dict[str, Any]) -> int:
@@ -61,24 +91,43 @@ def print_warnings(warnings: Iterable[str]) -> None:
         print(f"warning: {warning}", file=sys.stderr)
 
 
-def give(options: argparse.Namespace, result: Any, text: Callable[[], str]) -> int:
-    """Write, draw and print a result as --output, --plot and --json ask, and its warnings; returns DONE.
+def give(
+    options: argparse.Namespace,
+    text: Callable[[], str],
+    table: Callable[[], dict[str, Any]],
+    warnings: Iterable[str] = (),
+    **files: Callable[[str], Any],
+) -> int:
+    """Write the files asked for, print a text or with --json a table, and the warnings; returns DONE.
 
-    result: has to_dataset, plot, to_dict and warnings. text: of the result, without --json.
+    files: what writes the file of an option, by the option's name.
     """
-    if options.output:
-        import film_datasets
-
-        film_datasets.write(result.to_dataset(), options.output, overwrite=options.force)
-    if options.plot:
-        result.plot(options.plot)
+    asked = {name: path for name in files if (path := getattr(options, name))}
+    for name, path in asked.items():
+        files[name](path)
     if options.json:
-        print_json(result.to_dict())
+        print_json(table())
     else:
         print(text())
-        print_written(options.output, options.plot)
-    print_warnings(result.warnings)
+        print_written(*asked.values())
+    print_warnings(warnings)
     return DONE
+
+
+def give_result(
+    options: argparse.Namespace, result: Any, text: Callable[[], str], **files: Callable[[str], Any]
+) -> int:
+    """The same of a result that has to_dataset, plot, to_dict and warnings."""
+
+    def write(path: str) -> None:
+        import film_datasets
+
+        film_datasets.write(result.to_dataset(), path, overwrite=options.force)
+
+    def draw(path: str) -> None:
+        result.plot(path)
+
+    return give(options, text, result.to_dict, result.warnings, output=write, plot=draw, **files)
 
 
 def listed(text: str | None) -> list[str]:
@@ -98,17 +147,17 @@ def check_writable(path: str, force: bool) -> None:
     check_replaceable(path, force)
 
 
-def check_picture(path: str | None, force: bool) -> None:
-    """Raise before the work if a picture cannot be written to `path`, where one is given."""
-    if path:
+def check_pictures(options: argparse.Namespace) -> None:
+    """Raise before the work if a picture cannot be written afterwards."""
+    for path in filter(None, (getattr(options, name, None) for name in ("plot", "strobe"))):
         from film_model.plot import style
 
         style.check_picture(path)
-        check_writable(path, force)
+        check_writable(path, options.force)
 
 
-def check_outputs(options: argparse.Namespace) -> None:
-    """Check --output, a dataset, and --plot."""
+def check_dataset(options: argparse.Namespace) -> None:
+    """Raise before the work if a dataset cannot be written to --output afterwards."""
     if options.output:
         from pathlib import Path
 
@@ -116,4 +165,3 @@ def check_outputs(options: argparse.Namespace) -> None:
 
         check_writable(options.output, options.force)
         check_file(Path(options.output), options.force)
-    check_picture(options.plot, options.force)

@@ -1,30 +1,18 @@
-"""film-model run: simulate one scene."""
+"""film-model run: simulate one scene, or of a file with sections [[bodies]] a chain of bodies."""
 
 from __future__ import annotations
 
 import argparse
 from typing import TYPE_CHECKING, Any
 
-from film_model.cli.output import (
-    DONE,
-    add_force,
-    add_json,
-    add_plot,
-    check_outputs,
-    check_picture,
-    listed,
-    print_json,
-    print_warnings,
-    print_written,
-)
+from film_model.cli.output import Commands, add_common, add_scene, check_dataset, give_result, listed
 
 if TYPE_CHECKING:
+    from film_model.scene.chain import Chain
+    from film_model.solve.chain_motion import ChainMotion
     from film_model.solve.history import History
 
-MOST_EVENTS = 24
-"""Events in a table; JSON and files contain all of them."""
-
-MOST_CONTACTS, ENDS = 5, ("contact_begins", "contact_ends")
+ENDS = ("contact_begins", "contact_ends")
 """Of more contacts only these events are in the table."""
 
 SHORT = (
@@ -34,14 +22,13 @@ SHORT = (
 """Results without --verbose."""
 
 
-def add_commands(named: Any) -> None:
+def add_commands(commands: Commands) -> None:
     """The command and its options."""
-    parser: argparse.ArgumentParser = named.add_parser("run", help="simulate the impact of a scene file, or a chain")
-    parser.add_argument("scene", help="scene file (TOML)")
+    parser = commands.add("run", "simulate the impact of a scene file, or a chain", run)
+    add_scene(parser)
     parser.add_argument(
         "--output", metavar="FILE", help="write the history: .nc or .zarr (complete), .csv, .parquet or .mat (motion)"
     )
-    add_plot(parser, "draw the history")
     parser.add_argument(
         "--strobe", metavar="FILE", help="draw the ball at even times before and after (.png, .svg or .pdf)"
     )
@@ -55,21 +42,16 @@ def add_commands(named: Any) -> None:
         "--derivatives", metavar="KEY[,KEY]", help="of the summary, by keys of the scene such as impactor.velocity"
     )
     parser.add_argument("--verbose", action="store_true", help="print every result, event and effect")
-    add_force(parser)
-    add_json(parser)
-    parser.set_defaults(command=run)
+    add_common(parser, plot="draw the history")
 
 
 def run(options: argparse.Namespace) -> int:
     from film_model.scene.chain import Chain, read
     from film_model.solve.simulate import simulate_quietly
 
-    check_outputs(options)
-    check_picture(options.strobe, options.force)
+    check_dataset(options)
     scene = read(options.scene)
     if isinstance(scene, Chain):
-        from film_model.cli.chain import run_chain
-
         return run_chain(scene, options)
     history = simulate_quietly(
         scene,
@@ -78,26 +60,16 @@ def run(options: argparse.Namespace) -> int:
         linearisation=options.linearisation,
         derivatives=listed(options.derivatives),
     )
-    if options.output:
-        import film_datasets
 
-        film_datasets.write(history, options.output, overwrite=options.force)
-    if options.plot:
-        from film_model.plot.history import plot_history
-
-        plot_history(history, options.plot)
-    if options.strobe:
+    def strobe(path: str) -> None:
         from film_model.plot.strobe import plot_strobe
 
-        plot_strobe(history, options.strobe)
-    if options.json:
-        print_json(history.to_dict())
-    else:
-        print(_table(history, options.verbose))
-        print(_derivatives(history), end="")
-        print_written(options.output, options.plot, options.strobe)
-    print_warnings(history.warnings)
-    return DONE
+        plot_strobe(history, path)
+
+    def text() -> str:
+        return "\n".join([_table(history, options.verbose), *_derivatives(history)])
+
+    return give_result(options, history, text, strobe=strobe)
 
 
 def _table(history: History, verbose: bool) -> str:
@@ -158,29 +130,30 @@ def _sensors(history: History) -> list[str]:
 
 
 def _events(history: History) -> list[str]:
+    most_events = 24  # JSON and files contain all of them
     from film_model.base.units import format_si
 
     lines = ["", f"  {'event':24}{'time':>14}{'indentation':>16}{'force':>14}"]
     ends = sum(event.name == "contact_ends" for event in history.events)
-    shown = [event for event in history.events if ends <= MOST_CONTACTS or event.name in ENDS]
-    for event in shown[:MOST_EVENTS]:
+    shown = [event for event in history.events if ends <= 5 or event.name in ENDS]
+    for event in shown[:most_events]:
         numbers = (
             f"{format_si(event.time, 'time', 5):>14}{format_si(event.indentation, 'length', 5):>16}"
             f"{format_si(event.contact_force, 'force', 5):>14}"
         )
         what = f"  ({event.stage})" if event.name == "stage_changes" else ""
         lines.append(f"  {event.name.replace('_', ' '):24}{numbers}{what}")
-    if len(history.events) > MOST_EVENTS or len(shown) < len(history.events):
-        lines.append(f"  and {len(history.events) - len(shown[:MOST_EVENTS])} more: --json and files have all")
+    if len(history.events) > most_events or len(shown) < len(history.events):
+        lines.append(f"  and {len(history.events) - len(shown[:most_events])} more: --json and files have all")
     return lines
 
 
-def _derivatives(history: History) -> str:
-    """The derivatives as text, those by each number together: in SI, and as per cent of the value for 1 %."""
+def _derivatives(history: History) -> list[str]:
+    """The derivatives, those by each number together: in SI, and as per cent of the value for 1 %."""
     found, lines = history.derivatives, list[str]()
     along = {} if history.oblique is None else history.oblique.summary
     if found is None:
-        return ""
+        return []
     for path, entry in found.entries.items():
         lines += ["", f"  {f'derivatives by {path} = {entry.text}':50}{'per 1 %':>12}"]
         for name, value in {**history.summary, **along}.items():
@@ -189,4 +162,65 @@ def _derivatives(history: History) -> str:
                 continue
             share = f"{slope * entry.value / value:.4f} %" if value and entry.value else "-"
             lines.append(f"    {name.replace('_', ' '):30}{found.text_of(name, path):>24}{share:>12}")
-    return "".join(f"{line}\n" for line in lines)
+    return lines
+
+
+def run_chain(chain: Chain, options: argparse.Namespace) -> int:
+    from film_model.solve.chain_motion import simulate_chain_quietly
+
+    for name in ("strobe", "segments", "linearisation", "derivatives"):
+        if getattr(options, name):
+            raise ValueError(f"--{name} is not for a chain of bodies")
+    if options.accuracy is not None:
+        table = chain.to_table()
+        chain = chain.from_table({**table, "solver": {**table["solver"], "accuracy": options.accuracy}})
+    motion = simulate_chain_quietly(chain)
+    return give_result(options, motion, lambda: _chain_text(motion, options.verbose))
+
+
+def _chain_text(motion: ChainMotion, verbose: bool) -> str:
+    most_rows = 8  # without --verbose, half of them at the end
+    from film_model.solve.chain_motion import BODIES, CONTACTS
+
+    energy = motion.energy
+    whole = max(energy.kinetic_before + energy.weight, energy.kinetic_after)
+    laws = ", ".join(dict.fromkeys(motion.laws))
+    lines = [motion.chain.title or "Chain", f"law {laws}; {motion.outcome}"]
+    short = [name for name in CONTACTS if name != "contact_ends"]
+    for what, names in (("body", BODIES), ("contact", CONTACTS if verbose else short)):
+        dimensions = [(BODIES | CONTACTS)[name][0] for name in names]
+        lines += ["", f"  {what:8}" + "".join(f"{_head(name):>18}" for name in names)]
+        rows = motion.rows(names)
+        numbers = motion.chain.link_names if names is not BODIES else [str(number + 1) for number in range(len(rows))]
+        named = list(zip(numbers, rows, strict=True))
+        for number, row in _shown(named, len(rows) if verbose else most_rows):
+            cells = (_cell(value, kind, whole) for value, kind in zip(row.values(), dimensions, strict=True))
+            lines.append(f"  {number:8}" + "".join(f"{cell:>18}" for cell in cells))
+        if len(rows) > most_rows and not verbose:
+            lines.insert(-most_rows // 2, f"  ... {len(rows) - most_rows} more")
+    parts = {"before": energy.kinetic_before, "after": energy.kinetic_after, "absorbed": energy.absorbed}
+    parts |= {"of weight": energy.weight} if motion.chain.gravity else {}
+    lines += ["", "  energy  " + ", ".join(f"{name} {_cell(value, 'energy', whole)}" for name, value in parts.items())]
+    within = f"balance of energy within {max(abs(energy.error) / whole, 1e-12):.0e}"
+    lines.append(f"  {within}; estimated relative error ≤ {motion.estimated:.1e}")
+    return "\n".join(lines)
+
+
+def _cell(value: float | None, dimension: str, energy: float) -> str:
+    """A value with unit; energies that are rounding, compared with that of all bodies [J], as 0."""
+    from film_model.base.units import format_si
+
+    if value is None:
+        return "-"
+    return format_si(0.0 if dimension == "energy" and abs(value) < 1e-11 * energy else value, dimension, 5)
+
+
+def _head(name: str) -> str:
+    return {"time_of_largest_force": "at", "energy_absorbed": "absorbed", "largest_indentation": "indentation"}.get(
+        name, name.replace("contact_", "").replace("body_", "").replace("_velocity", "").replace("_", " ")
+    )
+
+
+def _shown(rows: list[tuple[str, dict[str, Any]]], most: int) -> list[tuple[str, dict[str, Any]]]:
+    """The rows without the middle ones of more than `most`."""
+    return rows if len(rows) <= most else [*rows[: most // 2], *rows[len(rows) - most // 2 :]]

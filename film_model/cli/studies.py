@@ -1,71 +1,85 @@
-"""film-model cost, hard-cases: studies of the method."""
+"""film-model cost, hard-cases, validate, reference-impacts, score: how good the method and its laws are."""
 
 from __future__ import annotations
 
 import argparse
 import sys
-from typing import TYPE_CHECKING, Any
+from functools import partial
+from typing import TYPE_CHECKING
 
+from film_model.base.files import write_text
 from film_model.cli.output import (
     DONE,
     FAILED,
-    add_force,
-    add_json,
-    add_plot,
-    check_outputs,
+    Commands,
+    add_common,
+    add_scene,
+    check_dataset,
     check_writable,
-    print_json,
+    give,
+    listed,
+    read_scene,
 )
 
 if TYPE_CHECKING:
     from film_model.studies.cost import Study
     from film_model.studies.hard_cases import Report
+    from film_model.studies.validation import LawReport
 
 
-def add_commands(named: Any) -> None:
+def add_commands(commands: Commands) -> None:
     """The commands and their options."""
-    parser: argparse.ArgumentParser = named.add_parser(
-        "cost", help="compare error and computing time with other methods"
-    )
-    parser.add_argument("scene", help="scene file (TOML)")
+    parser = commands.add("cost", "compare error and computing time with other methods", cost)
+    add_scene(parser)
     parser.add_argument(
         "--method", action="append", metavar="NAME", help="only methods whose name begins with this; repeatable"
     )
     parser.add_argument("--output", metavar="FILE.nc", help="write the study as netCDF")
-    add_plot(parser, "draw the work-precision diagram")
-    add_force(parser)
-    add_json(parser)
-    parser.set_defaults(command=cost)
+    add_common(parser, plot="draw the work-precision diagram")
 
-    parser = named.add_parser("hard-cases", help="run the catalogue of hard cases")
+    parser = commands.add("hard-cases", "run the catalogue of hard cases", hard_cases)
     parser.add_argument("--match", metavar="TEXT", default="", help="only cases whose name contains this")
     parser.add_argument("--markdown", metavar="FILE.md", help="write the report as a page")
-    add_force(parser, "overwrite an existing page")
-    add_json(parser)
-    parser.set_defaults(command=hard_cases)
+    add_common(parser)
+
+    parser = commands.add("validate", "compare the contact laws with measured values and theory", validate)
+    parser.add_argument("--law", default="all", metavar="NAME", help='one law, "auto", or "all" (default)')
+    parser.add_argument("--output", metavar="FILE.csv", help="write what every law gives for every value")
+    add_common(parser, plot="draw the errors of the laws")
+
+    parser = commands.add(
+        "reference-impacts", "write the suite of certified impacts to test other codes against", reference_impacts
+    )
+    parser.add_argument("--output", metavar="DIR", required=True, help="a new or empty folder")
+    parser.add_argument("--cases", metavar="NAMES", help="only these, separated by commas")
+    parser.add_argument("--workers", type=int, metavar="N", default=1, help="processes (default: 1)")
+
+    parser = commands.add("score", "compare another code's histories with the reference impacts", score)
+    parser.add_argument("results", help="CASE.csv, or a folder of such files")
+    parser.add_argument("--case", metavar="NAME", help="case of a file that is called otherwise")
+    add_common(parser, plot="draw the errors")
 
 
 def cost(options: argparse.Namespace) -> int:
-    from film_model.scene import Scene
     from film_model.studies.cost import study
     from film_model.studies.timing import one_thread
 
-    check_outputs(options)
+    check_dataset(options)
     one_thread()
-    scene = Scene.from_toml(options.scene)
+    scene = read_scene(options)
     done = study(scene, methods=options.method, progress=lambda name: print(f"timing {name}", file=sys.stderr))
-    if options.output:
+
+    def write(path: str) -> None:
         import film_datasets
 
-        film_datasets.write(film_datasets.to_dataset(done), options.output, overwrite=options.force)
-    if options.plot:
+        film_datasets.write(film_datasets.to_dataset(done), path, overwrite=options.force)
+
+    def draw(path: str) -> None:
         from film_model.plot.cost import plot_study
 
-        plot_study(done, options.plot)
-    if options.json:
-        return print_json(done.to_dict())
-    print(_cost_table(done))
-    return DONE
+        plot_study(done, path)
+
+    return give(options, lambda: _cost_table(done), done.to_dict, output=write, plot=draw)
 
 
 def _cost_table(done: Study) -> str:
@@ -105,26 +119,83 @@ def hard_cases(options: argparse.Namespace) -> int:
         print(f"running {case.name}", file=sys.stderr)
         reports.append(report(case))
     good = all(r.finding.good for r in reports)
-    if options.markdown:
-        from pathlib import Path
-
-        from film_model.base.files import written_whole
-
-        with written_whole(Path(options.markdown)) as beside:
-            beside.write_text(page(reports), "utf-8")
-    if options.json:
-        print_json({"good": good, "cases": [r.to_dict() for r in reports]})
-    else:
-        _print_cases(reports)
+    table = {"good": good, "cases": [r.to_dict() for r in reports]}
+    markdown = partial(write_text, text=page(reports))
+    give(options, lambda: _cases_table(reports), lambda: table, markdown=markdown)
     return DONE if good else FAILED
 
 
-def _print_cases(reports: list[Report]) -> None:
-    print(f"{'':6}{'case':52}{'error':>9}{'allowed':>9}{'segments':>10}{'time':>10}  outcome")
+def _cases_table(reports: list[Report]) -> str:
+    lines = [f"{'':6}{'case':52}{'error':>9}{'allowed':>9}{'segments':>10}{'time':>10}  outcome"]
     for r in reports:
         f = r.finding
         numbers = f"{f.error:9.1e}{f.allowed:9.0e}{f.segments or '-':>10}{r.seconds:8.2f} s"
-        print(f"{'pass' if f.good else 'FAIL':6}{r.case.name:52}{numbers}  {f.outcome}")
-        for name, said in r.others.items():
-            print(f"{'':58}{name}: {said}")
-    print(f"{sum(r.finding.good for r in reports)} of {len(reports)} passed")
+        lines.append(f"{'pass' if f.good else 'FAIL':6}{r.case.name:52}{numbers}  {f.outcome}")
+        lines += [f"{'':58}{name}: {said}" for name, said in r.others.items()]
+    return "\n".join([*lines, f"{sum(r.finding.good for r in reports)} of {len(reports)} passed"])
+
+
+def validate(options: argparse.Namespace) -> int:
+    """Print median and worst error by law and group of rows."""
+    from film_datasets import load
+    from film_datasets.evidence import evidence_rows
+    from film_model.studies.validation import TESTED, compare, table
+
+    if options.output:
+        check_writable(options.output, options.force)
+    rows = evidence_rows(load("measured_impacts"))
+    reports = compare(rows, TESTED if options.law == "all" else (options.law,))
+    rises = [f"{report.law}: restitution rises with velocity, {said}" for report in reports for said in report.rises]
+
+    def draw(path: str) -> None:
+        from film_model.plot.validation import plot_validation
+
+        plot_validation(reports, path)
+
+    return give(
+        options,
+        lambda: "\n".join([table(reports), *rises]),
+        lambda: {"laws": [report.to_dict() for report in reports]},
+        output=lambda path: write_text(path, _rows_as_csv(reports)),
+        plot=draw,
+    )
+
+
+def _rows_as_csv(reports: list[LawReport]) -> str:
+    import csv
+    import io
+
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(
+        ["source", "quantity", "published", "uncertainty", "kind", "held_out", *(report.law for report in reports)]
+    )
+    for predictions in zip(*(report.predictions for report in reports), strict=True):
+        row = predictions[0].row
+        found = (f"{prediction.value:.6g}" for prediction in predictions)
+        held = "yes" if row.held_out else "no"
+        writer.writerow([row.source, row.quantity, f"{row.value:.6g}", row.uncertainty, row.kind, held, *found])
+    return text.getvalue()
+
+
+def reference_impacts(options: argparse.Namespace) -> int:
+    import film_datasets
+
+    names = listed(options.cases) if options.cases is not None else None
+    written = film_datasets.write_suite(
+        options.output, names, options.workers, lambda name: print(f"wrote {name}", file=sys.stderr)
+    )
+    print(f"{len(written)} cases in {options.output}")
+    return DONE
+
+
+def score(options: argparse.Namespace) -> int:
+    import film_datasets
+    from film_datasets.reference_impacts.score import by_quantity, text_of
+
+    scores = film_datasets.score(options.results, options.case)
+    cases = [{"case": one.case, "rows": one.rows, "errors": dict(one.errors)} for one in scores]
+    table = {"quantities": by_quantity(scores), "cases": cases}
+    return give(
+        options, lambda: text_of(scores), lambda: table, plot=lambda path: film_datasets.plot_scores(scores, path)
+    )

@@ -3,19 +3,20 @@
 from __future__ import annotations
 
 import argparse
-from typing import Any
 
 from film_model.base.errors import did_you_mean, shown
 from film_model.cli.output import (
     DONE,
     FAILED,
-    add_force,
-    add_json,
+    Commands,
+    add_common,
+    add_scene,
     check_writable,
+    give,
     listed,
-    print_json,
     print_warnings,
     print_written,
+    read_scene,
 )
 
 SHOWN = ("coefficient_of_restitution", "maximum_force", "maximum_indentation", "contact_duration")
@@ -25,36 +26,30 @@ COLUMNS = ("coefficient_of_restitution", "contact_duration", "maximum_force", "m
 """Columns of `table` after the velocity."""
 
 
-def add_commands(named: Any) -> None:
+def add_commands(commands: Commands) -> None:
     """The commands and their options."""
-    parser: argparse.ArgumentParser = named.add_parser(
-        "check", help="whether a dataset is whole and holds what the simulation gives"
-    )
+    parser = commands.add("check", "whether a dataset is whole and holds what the simulation gives", check)
     parser.add_argument("file", metavar="FILE", help="FILE.nc or FILE.zarr")
     parser.add_argument("--rows", type=int, default=10, metavar="N", help="impacts to simulate again (default: 10)")
-    parser.set_defaults(command=check)
 
-    parser = named.add_parser("convert", help="write a dataset in another format")
+    parser = commands.add("convert", "write a dataset in another format", convert)
     parser.add_argument("file", metavar="FILE", help="FILE.nc, FILE.zarr, or a measurement in FILE.csv")
     parser.add_argument("output", metavar="OUTPUT", help="FILE.nc, .zarr, .csv, .parquet or .mat")
-    add_force(parser, "overwrite an existing file")
-    parser.set_defaults(command=convert)
+    add_common(parser, json=False)
 
-    parser = named.add_parser("summarise", help="mean, percentiles and extremes of a sweep, with their impacts")
+    parser = commands.add("summarise", "mean, percentiles and extremes of a sweep, with their impacts", summarise)
     parser.add_argument("file", metavar="FILE", help="FILE.nc or FILE.zarr of a sweep")
     parser.add_argument("--quantity", metavar="NAME[,NAME]", help="summary quantities, or all (default: four)")
-    add_json(parser)
-    parser.set_defaults(command=summarise)
+    add_common(parser, force="")
 
-    parser = named.add_parser("table", help="restitution and contact time over velocity, e.g. for a DEM program")
-    parser.add_argument("scene", help="scene file (TOML)")
+    parser = commands.add("table", "restitution and contact time over velocity, e.g. for a DEM program", table)
+    add_scene(parser)
     parser.add_argument("--from", dest="low", default="0.01 m/s", metavar="VELOCITY", help="default: 0.01 m/s")
     parser.add_argument("--to", dest="high", default="10 m/s", metavar="VELOCITY", help="default: 10 m/s")
     parser.add_argument("--count", type=int, default=31, metavar="N", help="velocities, log-spaced (default: 31)")
     parser.add_argument("--law", metavar="NAME", help="contact law (default: the scene's)")
     parser.add_argument("--output", metavar="FILE", help="write .csv, .parquet or .mat instead of printing CSV")
-    add_force(parser, "overwrite an existing file")
-    parser.set_defaults(command=table)
+    add_common(parser, json=False)
 
 
 def check(options: argparse.Namespace) -> int:
@@ -88,23 +83,16 @@ def summarise(options: argparse.Namespace) -> int:
         for name in asked:
             if name not in known:
                 raise ValueError(f"--quantity: {shown(name)} is not in {options.file}{did_you_mean(name, known)}")
-        if options.json:
-            return print_json(report)
-        print(digest_text(dataset, report, asked))
-    print_warnings(report["warnings"])
-    return DONE
+        return give(options, lambda: digest_text(dataset, report, asked), lambda: report, report["warnings"])
 
 
 def table(options: argparse.Namespace) -> int:
     import film_datasets
-    from film_model.scene import Scene
 
     if options.output:
         check_writable(options.output, options.force)
     law = {} if options.law is None else {"contact.law": options.law}
-    scene = Scene.from_toml(options.scene).replace(
-        {"impactor.drop_height": None, "impactor.velocity": options.low, **law}
-    )
+    scene = read_scene(options).replace({"impactor.drop_height": None, "impactor.velocity": options.low, **law})
     velocities = {"from": options.low, "to": options.high, "count": options.count, "spacing": "log"}
     dataset = film_datasets.sweep(scene, {"impactor.velocity": velocities})
     if options.output:

@@ -4,34 +4,20 @@ from __future__ import annotations
 
 import argparse
 from dataclasses import replace
-from typing import Any
 
-from film_model.cli.output import (
-    DONE,
-    add_force,
-    add_json,
-    add_plot,
-    check_picture,
-    listed,
-    print_json,
-    print_warnings,
-    print_written,
-)
+from film_model.cli.output import Commands, add_common, give, listed
 
 
-def add_commands(named: Any) -> None:
+def add_commands(commands: Commands) -> None:
     """The command and its options."""
-    parser: argparse.ArgumentParser = named.add_parser(
-        "tolerance", help="spread of the results by tolerances and scatter, and which number causes it"
+    parser = commands.add(
+        "tolerance", "spread of the results by tolerances and scatter, and which number causes it", tolerance
     )
     parser.add_argument("sweep", help="sweep file (TOML) with tolerances or distributions")
     parser.add_argument("--quantity", metavar="NAME[,NAME]", help="summary quantities (default: four)")
     parser.add_argument("--samples", type=int, metavar="N", help="points (default: those of the file)")
     parser.add_argument("--confidence", type=float, default=0.95, help="level of the intervals (default: 0.95)")
-    add_plot(parser, "draw the tornado picture of the first quantity")
-    add_force(parser, "overwrite an existing picture")
-    add_json(parser)
-    parser.set_defaults(command=tolerance)
+    add_common(parser, plot="draw the tornado picture of the first quantity")
 
 
 def tolerance(options: argparse.Namespace) -> int:
@@ -41,7 +27,6 @@ def tolerance(options: argparse.Namespace) -> int:
     from film_datasets.tolerances.analysis import SHOWN
     from film_datasets.tornado_plot import plot_tornado
 
-    check_picture(options.plot, options.force)
     if not 0.0 < options.confidence < 1.0:
         raise ValueError(f"--confidence: {options.confidence:g} must be between 0 and 1")
     sweep = read_sweep(options.sweep)
@@ -53,12 +38,4 @@ def tolerance(options: argparse.Namespace) -> int:
         sweep = replace(sweep, samples=options.samples)
     quantities = listed(options.quantity) or SHOWN
     found = tolerance_of(sweep, quantities, options.confidence)
-    if options.plot:
-        plot_tornado(found, options.plot)
-    if options.json:
-        print_json(found.to_dict())
-    else:
-        print(found)
-        print_written(options.plot)
-    print_warnings(found.warnings)
-    return DONE
+    return give(options, lambda: str(found), found.to_dict, found.warnings, plot=lambda path: plot_tornado(found, path))

@@ -28,7 +28,7 @@ from film_model.effects import (
     wave_losses,
 )
 from film_model.effects.edge_effects import edged, support_of
-from film_model.effects.effect import COMPUTED, FREE, NOT_NEEDED, Effect
+from film_model.effects.effect import COMPUTED, FREE, NOT_MODELLED, NOT_NEEDED, Effect
 from film_model.effects.judged import judge
 from film_model.effects.law_range import law_warnings
 from film_model.effects.plausibility import remarks
@@ -37,8 +37,12 @@ from film_model.problem.law_of_scene import DAMPED, SceneLaw, laws_of
 from film_model.problem.problem import Impacts, Problem
 from film_model.scene import Scene
 
-SMALL_WEIGHT = 0.1
-"""Weight over the largest force, below which an impactor that stays on the target has made an impact first."""
+_SETTLED = {
+    "material_damping": material_damping.settled,
+    "stretching": stretching.settled,
+    "wave_losses": wave_losses.settled,
+}
+"""Estimated effects that may be simulated, and what puts the decision into the estimate."""
 
 _ORDER = {name: k for k, name in enumerate(COMPUTED)}
 
@@ -64,7 +68,7 @@ class Choice:
     edges: tuple[Effect, ...]
     decided: tuple[bool, bool, bool]
 
-    @property
+    @cached_property
     def scene(self) -> Scene:
         """The scene."""
         return self.problem.scene
@@ -117,23 +121,24 @@ class Choice:
         why = "the target moves too little to matter"
         found += [effect._replace(state=NOT_NEEDED, reason=why, cost=FREE) if held else effect for effect in self.edges]
         known = {effect.name for effect in self.edges}
-        judged = (effect for effect in judge(self._ending, self.problem.vibrates) if effect.name not in known)
-        settled = (material_damping.settled(effect, self.problem) for effect in judged)
-        settled = (stretching.settled(effect, self.problem) for effect in settled)
-        return (*found, *(wave_losses.settled(effect, self.problem) for effect in settled))
+        judged = {effect.name: effect for effect in judge(self._ending, self.problem.vibrates)}
+        for name, settled in _SETTLED.items():
+            judged[name] = settled(judged[name], self.problem)
+        return (*found, *(effect for name, effect in judged.items() if name not in known))
 
     @property
     def _ending(self) -> Problem:
         """The impact without vibrations; without its weight, if that is small and keeps the impactor on the target."""
         tried = self.yielding if self.decided[2] else plasticity.elastic(self.yielding)
-        if tried.trial.ends or not 0.0 < tried.load < SMALL_WEIGHT * tried.trial.summary.maximum_force:
+        # an impactor that stays on the target has made an impact first where its weight is far below the largest force
+        if tried.trial.ends or not 0.0 < tried.load < 0.1 * tried.trial.summary.maximum_force:
             return tried
         return tried.again(load=0.0)
 
     @property
     def warnings(self) -> tuple[str, ...]:
         """Warnings of the law, about unlikely numbers, and about effects that matter but are not simulated."""
-        said = (effect.warning for effect in self._neglected)
+        said = (effect.warning for effect in self._neglected if effect.state == NOT_MODELLED)
         law = (*self.problem.law.remarks(), *self.problem.curve.warnings, *law_warnings(self.problem))
         law = (*law, *wave_losses.remarks(self.problem), *remarks(self.scene))
         return (*law, *(warning for warning in said if warning is not None))

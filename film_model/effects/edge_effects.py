@@ -37,9 +37,6 @@ from film_model.scene import Scene
 
 REFLECTIONS, INERTIA = "boundary_reflections", "target_inertia"
 
-LARGE_MASS = 2.0
-"""Impactor mass over that of a plate of unknown modes, from which the static stiffness is simulated."""
-
 SLOW = 0.1
 """ω t_c of a vibration, t_c being the contact time, below which it does not follow the force."""
 
@@ -165,16 +162,17 @@ def _without_static(edges: _Edges, asked: bool) -> Supported:
 
 def _without_modes(edges: _Edges, static: str) -> Supported:
     """The support if vibrations matter but the target's modes are unknown."""
+    large_mass = 2.0  # plates, from which the static stiffness is simulated
     scene, target, missing = edges.scene, edges.scene.target, edges.scene.target.modes_missing
     if scene.effects.target_inertia is True:
         raise SimulationError(f"effects.target_inertia is true, but it cannot be simulated: {missing}")
     if target.whole_mass is None:
         return edges.static(NOT_JUDGED, f"missing: target.size, needed for the mass; {static} alone")
-    if edges.bounded or target.stiffness_given or scene.mass >= LARGE_MASS * target.whole_mass:
+    if edges.bounded or target.stiffness_given or scene.mass >= large_mass * target.whole_mass:
         return edges.static(NOT_MODELLED, f"{missing}: {static} alone")
     if scene.effects.boundary_reflections is True:
         raise SimulationError(
-            f"effects.boundary_reflections is true, but the impactor is lighter than {LARGE_MASS:g} plates, whose "
+            f"effects.boundary_reflections is true, but the impactor is lighter than {large_mass:g} plates, whose "
             f"vibrations would be needed, and {missing}"
         )
     return edges.infinite(NOT_MODELLED, f"{edges.reflections.reason}; {missing}")
@@ -186,7 +184,7 @@ class _Edges:
 
     impacts: Impacts
 
-    @property
+    @cached_property
     def scene(self) -> Scene:
         """The scene."""
         return self.impacts.base

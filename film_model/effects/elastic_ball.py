@@ -14,8 +14,6 @@ BALL = (0.976, 0.137, 4.445)
 HALF_SPACE = (0.157, 0.0, 0.0)
 """The same of a rigid ball on an elastic half-space."""
 
-ROUNDS = 30  # each leaves a fifth of the error, or less
-
 
 class Body(NamedTuple):
     """Share of the indentation, and R over the body's own radius: 0 of a half-space."""
@@ -48,6 +46,6 @@ def change(terms: tuple[float, ...], slope: float) -> float:
     give 0.9 times this change for ν = 0.3 at x = 0.13, 0.27 and 0.42.
     """
     depth, sized = 1.0, [term * slope**k for k, term in enumerate(terms, 1)]
-    for _ in range(ROUNDS):
+    for _ in range(30):  # each leaves a fifth of the error, or less
         depth = (1.0 + sum(c * depth ** (0.5 * k) / (1.0 + 0.2 * k) for k, c in enumerate(sized, 1))) ** -0.4
     return abs(1.0 / depth - 1.0)

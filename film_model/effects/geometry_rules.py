@@ -14,9 +14,6 @@ from film_model.laws.hertz import hertz_stiffness
 from film_model.scene import Scene
 from film_model.targets import Estimate, Impact
 
-DEEPEST = 1.0
-"""Indentation over the effective radius from which no contact law is valid: half the ball is below the surface."""
-
 
 def reflections(case: Case, rule: Rule) -> Effect:
     """Waves that return from edges or ends before contact ends."""
@@ -80,6 +77,7 @@ def small_slope(case: Case, rule: Rule) -> Effect:
     of the indentation at the energy of the impact; force and contact time change less. From an indentation of one
     radius no law is valid.
     """
+    deepest = 1.0  # over the effective radius: half the ball is below the surface, and no contact law is valid
     scene = case.scene
     modulus, radius = scene.effective_modulus, scene.effective_radius
     if scene.nose is not None:
@@ -89,9 +87,9 @@ def small_slope(case: Case, rule: Rule) -> Effect:
         return rule.unjudged("known for balls only", beyond)
     if modulus is None:
         return rule.unjudged("missing: an effective modulus")
-    if case.indentation > DEEPEST * radius:
+    if case.indentation > deepest * radius:
         why = f"the indentation is {case.indentation / radius:.3g} times the radius: no contact law is valid so deep"
-        return rule.failing(why, case.contact_radius / radius, math.sqrt(DEEPEST))
+        return rule.failing(why, case.contact_radius / radius, math.sqrt(deepest))
     hertz = (case.force / hertz_stiffness(modulus, radius)) ** (2.0 / 3.0)  # elastic part of the indentation
     bodies, known = _bodies(scene, modulus)
     size = change(excess(bodies), math.sqrt(hertz / radius)) * hertz / case.indentation

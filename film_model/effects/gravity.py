@@ -19,9 +19,6 @@ from film_model.effects.effect import (
 from film_model.effects.trial import beyond, change, few, matters
 from film_model.problem.problem import Problem
 
-ESTIMATE_SERVES = 0.3
-"""The first-order estimate decides up to this fraction of the tolerance; beyond it, the impact is marched."""
-
 
 def estimate(weight: Any, force: Any, indentation: Any, energy: Any) -> Any:
     """Relative change of the summary by a weight [N] on a target that does not move.
@@ -50,7 +47,8 @@ def size_of(light: Problem, pressed: Problem | None = None) -> tuple[Any, Proble
     """Change of the summary by the weight (nan if contact without it does not end); the problem with it, if marched."""
     ends = light.trial.ends
     guess = _estimate_for(light, ends)
-    doubtful = guess > ESTIMATE_SERVES * light.scene.effect_tolerance
+    # the first-order estimate decides up to 0.3 of the tolerance; beyond it, the impact is marched
+    doubtful = guess > 0.3 * light.scene.effect_tolerance
     if not any_of(doubtful & ends):
         return either(ends, guess, math.nan), pressed
     pressed = light.again(load=light.impacts.numbers.weight) if pressed is None else pressed

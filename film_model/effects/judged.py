@@ -9,28 +9,14 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from film_model.effects.air_drag import air_drag
+from film_model.effects import geometry_rules as geometry
+from film_model.effects import material_rules as materials
 from film_model.effects.case import Case, Rule, case_of
 from film_model.effects.effect import Effect
-from film_model.effects.geometry_rules import (
-    bending_strength,
-    contact_width,
-    cross_bending,
-    oblique,
-    obliqueness,
-    omitted_modes,
-    reflections,
-    small_slope,
-    stretching,
-    thickness,
-    wave_losses,
-)
-from film_model.effects.material_rules import adhesion, fracture, heating, material_damping
-from film_model.effects.roughness import roughness
-from film_model.effects.squeeze_film import squeeze_film
+from film_model.effects.surroundings import air_drag, roughness, squeeze_film
 from film_model.problem.problem import Problem
 
-OF_BALLS = (adhesion, fracture, air_drag, roughness, squeeze_film)
+OF_BALLS = (materials.adhesion, materials.fracture, air_drag, roughness, squeeze_film)
 """Rules that hold for balls only."""
 
 
@@ -60,8 +46,8 @@ def _apply(name: str, problem: Problem, case: Case | None) -> Effect:
         return rule.unjudged("known for balls only")
     if case is not None:
         return judge_case(case, rule)
-    if judge_case is obliqueness:
-        return oblique(problem.scene, rule, None, problem.scene.effect_tolerance)
+    if judge_case is geometry.obliqueness:
+        return geometry.oblique(problem.scene, rule, None, problem.scene.effect_tolerance)
     ends = "the target is too soft for an estimate of the indentation" if problem.trial.ends else "contact did not end"
     return rule.unjudged("the impactor has no velocity" if problem.approach == 0.0 else ends)
 
@@ -70,32 +56,40 @@ _TABLE: dict[str, tuple[str, str, Callable[[Case, Rule], Effect]]] = {
     "boundary_reflections": (
         "t_c/t_return",
         "fitted to sums over the modes of simply supported plates struck at the centre; one-dimensional waves in a rod",
-        reflections,
+        geometry.reflections,
     ),
-    "thickness": ("k h", "Zener 1941; three-dimensional waves of a layer, to first order", thickness),
-    "stretching": ("deflection/h", "Berger 1955, J. Appl. Mech. 22:465, in one term", stretching),
+    "thickness": ("k h", "Zener 1941; three-dimensional waves of a layer, to first order", geometry.thickness),
+    "stretching": ("deflection/h", "Berger 1955, J. Appl. Mech. 22:465, in one term", geometry.stretching),
     "bending_strength": (
         "bending stress/strength",
         "infinite plate under a sudden force; Westergaard in Timoshenko & Woinowsky-Krieger 1959",
-        bending_strength,
+        geometry.bending_strength,
     ),
-    "cross_bending": ("-", "response to a half-sine; classical lamination theory", cross_bending),
-    "omitted_modes": ("Ω T/π", "response to a half-sine of the contact time T on a fixed target", omitted_modes),
+    "cross_bending": ("-", "response to a half-sine; classical lamination theory", geometry.cross_bending),
+    "omitted_modes": (
+        "Ω T/π",
+        "response to a half-sine of the contact time T on a fixed target",
+        geometry.omitted_modes,
+    ),
     "small_slope": (
         "a/R",
         "fitted to axisymmetric finite elements made for this package; compare Sneddon 1965, Tatara 1991",
-        small_slope,
+        geometry.small_slope,
     ),
-    "contact_width": ("a/h", "half-space laws fail for contacts wider than the plate thickness", contact_width),
-    "adhesion": ("V/V_s", "Thornton & Ning 1998; work of separation by Johnson, Kendall & Roberts", adhesion),
-    "material_damping": ("tan δ", "Lee & Radok 1960; Ting 1966, with a modulus t^−β", material_damping),
-    "wave_losses": ("E_waves/E", "Lamb's problem, Miller & Pursey 1955", wave_losses),
-    "heating": ("plastic work/volume, J/m³", "balance of energy", heating),
+    "contact_width": (
+        "a/h",
+        "half-space laws fail for contacts wider than the plate thickness",
+        geometry.contact_width,
+    ),
+    "adhesion": ("V/V_s", "Thornton & Ning 1998; work of separation by Johnson, Kendall & Roberts", materials.adhesion),
+    "material_damping": ("tan δ", "Lee & Radok 1960; Ting 1966, with a modulus t^−β", materials.material_damping),
+    "wave_losses": ("E_waves/E", "Lamb's problem, Miller & Pursey 1955", geometry.wave_losses),
+    "heating": ("plastic work/volume, J/m³", "balance of energy", materials.heating),
     "fracture": (
         "force/least force of a crack",
         "Auerbach 1891; Frank & Lawn 1967; Warren 1995, J. Eur. Ceram. Soc. 15:201; Johnson 1985, section 4.2; "
         "crushing: balance of energy",
-        fracture,
+        materials.fracture,
     ),
     "air_drag": ("2 g h/v_t²", "Schiller & Naumann 1933: drag of a sphere; balance of energy", air_drag),
     "roughness": (
@@ -111,7 +105,7 @@ _TABLE: dict[str, tuple[str, str, Callable[[Case, Rule], Effect]]] = {
     "obliqueness": (
         "angle from the normal, °",
         "impulse and angular momentum; Maw, Barber & Fawcett 1976",
-        obliqueness,
+        geometry.obliqueness,
     ),
 }
 """Name → indicator, source and rule."""

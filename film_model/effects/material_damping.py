@@ -67,7 +67,7 @@ def _rebound(problem: Problem) -> Any:
 def settled(effect: Effect, problem: Problem) -> Effect:
     """The estimated effect with what was decided about it. problem: what is simulated."""
     scene, law, share = problem.scene, problem.law.name, effect.change
-    if effect.name != "material_damping" or problem.scene.loss_factor is None:
+    if scene.loss_factor is None:
         return effect
     if law == DAMPED and scene.contact.law == "auto":
         return effect._replace(state=SIMULATED, threshold=None, reason=f"{effect.reason}: law {law}", cost=FREE)

@@ -14,10 +14,6 @@ from film_model.laws.damping import LOSS_SLOPE, loss_restitution
 from film_model.laws.hertz import hertz_stiffness
 from film_model.problem.stresses import contact_radius, edge_tension
 
-STEEL_HEAT = 3.6e6
-"""Heat capacity of steel per volume, J/(m³ K): 460 J/(kg K) at 7850 kg/m³."""
-
-
 RING_CRACK = (
     (0.0, 0.1, 0.2, 0.25, 0.3, 0.35, 0.4),
     (-4.0125, -4.6667, -5.5099, -6.0452, -6.7017, -7.5505, -8.7511),
@@ -29,16 +25,6 @@ BRITTLE = ("crushing_strength", "fracture_toughness", "tensile_strength")
 """Entries of a brittle material, of which the first that it has is judged."""
 
 _BRITTLE = f"{', '.join(BRITTLE[:-1])} or {BRITTLE[-1]}"
-
-CRUSHED = 3.0
-"""Mean pressure that crushed material is taken to bear below a ball, over its uniaxial strength; see `fracture`."""
-
-HOT = 300.0
-"""Rise of temperature above which the heating is warned of, K: by Johnson & Cook's (ΔT/1500 K)^1.03 of 4340 steel, it
-takes a fifth of the strength."""
-
-SOFT = 5e9
-"""Young's modulus below which a material is a plastic, rubber or foam, whose losses no impact is without, Pa."""
 
 
 def adhesion(case: Case, rule: Rule) -> Effect:
@@ -98,7 +84,8 @@ def material_damping(case: Case, rule: Rule) -> Effect:
         return rule.absent("the effect viscoelasticity accounts for it: both materials have a prony series")
     known = {part: m for part, m in bodies.items() if m is not None and (m.loss_factor is not None or part in relaxing)}
     missing = [part for part in bodies if part not in known]
-    polymer = [part for part in missing if (m := bodies[part]) is not None and m.youngs_modulus < SOFT]
+    # softer than 5 GPa: a plastic, rubber or foam, whose losses no impact is without
+    polymer = [part for part in missing if (m := bodies[part]) is not None and m.youngs_modulus < 5e9]
     if polymer:
         return rule.failing(
             f"the loss factor of the {polymer[0]}, as soft as a polymer, is not known, so the restitution is too high: "
@@ -124,13 +111,15 @@ def material_damping(case: Case, rule: Rule) -> Effect:
 
 def heating(case: Case, rule: Rule) -> Effect:
     """Plastic work over the hemisphere (2/3) π a³ under the contact; a warning above 300 K. Softening is left out."""
+    hot = 300.0  # K: by Johnson & Cook's (ΔT/1500 K)^1.03 of 4340 steel, it takes a fifth of the strength
+    steel_heat = 3.6e6  # of steel per volume, J/(m³ K): 460 J/(kg K) at 7850 kg/m³
     if case.fraction <= YIELDS:
         return rule.absent("nothing yields")
     value = case.fraction * case.energy / (2.0 / 3.0 * math.pi * _own_radius(case) ** 3)
-    rise = value / STEEL_HEAT
+    rise = value / steel_heat
     why = f"the plastic work would heat steel under the contact by {rise:.2g} K"
-    if rise > HOT:
-        return rule.failing(f"{why}: the strength falls, and some metals melt", value, HOT * STEEL_HEAT)
+    if rise > hot:
+        return rule.failing(f"{why}: the strength falls, and some metals melt", value, hot * steel_heat)
     return rule.unjudged(f"{why}; how much this softens the material is unknown", value)
 
 
@@ -170,6 +159,7 @@ def fracture(case: Case, rule: Rule) -> Effect:
 
 def _failing(body: Material, case: Case, radius: float) -> tuple[str, float, str, str]:
     """Indicator of a brittle body's failure, its value (1: it fails), a sentence, and what happens above 1."""
+    crushed = 3.0  # mean pressure that crushed material is taken to bear below a ball, over its uniaxial strength
     name = body.name or "the brittle body"
     if body.crushing_strength is None:
         return *_cracking(body, name, case.force, radius), "it may crack"
@@ -179,12 +169,12 @@ def _failing(body: Material, case: Case, radius: float) -> tuple[str, float, str
         f"the mean pressure, {format_si(pressure, 'pressure', 3)}, is {value:.3g} times the crushing strength of {name}"
     )
     weight = case.problem.impacts.numbers.weight
-    stopping = math.sqrt(4.0 * math.pi * case.scene.effective_radius * CRUSHED * body.crushing_strength * case.energy)
+    stopping = math.sqrt(4.0 * math.pi * case.scene.effective_radius * crushed * body.crushing_strength * case.energy)
     bound = weight + math.hypot(weight, stopping)
-    then = "it crushes" if value > CRUSHED else "it begins to crush"
+    then = "it crushes" if value > crushed else "it begins to crush"
     if bound < case.force:
         most = format_si(bound, "force", 3)
-        then += f", and the force is at most about {most} if what is crushed bears {CRUSHED:g} times that strength"
+        then += f", and the force is at most about {most} if what is crushed bears {crushed:g} times that strength"
     return "mean pressure/crushing strength", value, why, then
 
 

@@ -28,9 +28,6 @@ from film_model.scene.noses import elastic_radius
 FULLY_PLASTIC_RATIO = 200.0
 """V/V_Y at which an impact on a half-space reaches full plasticity: 200.6 by Stronge's law, 201.3 by Big-Alabo's."""
 
-DEEPEST = 3000.0
-"""Largest indentation over that at yield up to which the last stage is compared with an extension of the one before."""
-
 
 BY_YIELD_STRENGTH = (
     "; the strength is a yield strength: contact strains metals by some per cent and hardens them, so that the "
@@ -181,7 +178,8 @@ def _fully_plastic(problem: Problem, yielding: bool, ratio: float | None) -> Eff
     if core.stage != curve.native.stages - 1:
         return effect(NOT_NEEDED, 0.0, "the contact does not reach the last stage of the law")
     depth, size = core.maximum_indentation, None
-    if depth < DEEPEST:
+    # up to 3000 times the yield indentation the last stage is compared with an extension of the one before
+    if depth < 3000.0:
         end = 10.0 ** math.ceil(math.log10(depth) + 0.5)  # a power of ten: few curves have to be made
         found = change(problem, problem.again(law=Shortened(problem.law, end)))
         size = None if math.isnan(found) else found

@@ -13,12 +13,6 @@ LEAST, MOST = 0.3, 3.0
 """Mass over density × volume of a ball of the contact's radius, and numbers of a material over those of the catalogue
 under its name, beyond which there is a remark."""
 
-LIGHTEST, HEAVIEST = 10.0, 23000.0
-"""Densities of light foams and of osmium, kg/m³."""
-
-SOFTEST = 1e5
-"""Young's modulus of the softest rubbers, Pa; gels and foams may have less."""
-
 
 def remarks(scene: Scene) -> tuple[str, ...]:
     """A sentence for each number of a material, and each given mass, that is far from what is possible or usual."""
@@ -41,6 +35,9 @@ def remarks(scene: Scene) -> tuple[str, ...]:
 
 def _of_material(material: Material) -> list[str]:
     """Sentences about the numbers of a material that is not from the catalogue."""
+    softest = 1e5  # Young's modulus of the softest rubbers, Pa; gels and foams may have less
+    heaviest = 23000.0
+    lightest = 10.0  # densities of light foams and of osmium, kg/m³
     usual = named(material.name)
     if usual == material:
         return []
@@ -50,12 +47,12 @@ def _of_material(material: Material) -> list[str]:
         if usual is not None and not LEAST <= value / getattr(usual, entry) <= MOST:
             known = format_si(getattr(usual, entry), dimension)
             found.append(f"{entry}: {format_si(value, dimension)}, but {usual.name} has {known}; check units")
-    if not found and not LIGHTEST <= material.density <= HEAVIEST:
-        of = "a light foam" if material.density < LIGHTEST else "osmium"
-        limit = format_si(LIGHTEST if material.density < LIGHTEST else HEAVIEST, "density")
+    if not found and not lightest <= material.density <= heaviest:
+        of = "a light foam" if material.density < lightest else "osmium"
+        limit = format_si(lightest if material.density < lightest else heaviest, "density")
         found.append(f"density: {format_si(material.density, 'density')}, but {of} has {limit}; check units")
-    if not found and material.youngs_modulus < SOFTEST:
-        modulus, limit = format_si(material.youngs_modulus, "pressure"), format_si(SOFTEST, "pressure")
+    if not found and material.youngs_modulus < softest:
+        modulus, limit = format_si(material.youngs_modulus, "pressure"), format_si(softest, "pressure")
         found.append(f"youngs_modulus: {modulus}, but a soft rubber has {limit}; check units")
     if material.yield_strength is not None and material.yield_strength > material.youngs_modulus:
         strength, modulus = (

@@ -26,9 +26,6 @@ from film_model.laws import LAWS, AbstractLaw
 from film_model.problem.model_intervals import STIFFEST_POLYMER
 from film_model.problem.problem import Problem
 
-RATE_SENSITIVE = 100.0
-"""Strain rate, 1/s, from which a yield strength measured in slow loading may be too low by more than a few per cent."""
-
 TYPICAL, LEAST, MOST = 0.014, 0.006, 0.06
 """C of 4340 steel, near the median of the metals of Johnson & Cook 1983, and the least and the largest of them."""
 
@@ -160,13 +157,14 @@ def _substitute(static: Problem) -> AbstractLaw:
 
 def _without_coefficient(static: Problem) -> Effect:
     """The effect for a material without C: important if its strength is the catalogue's, that of slow loading."""
+    rate_sensitive = 100.0  # 1/s: the strength of slow loading may then be too low by more than a few per cent
     rate, soft = strain_rate(static), static.scene.first_to_yield
     size, opened = _open(static)
-    if soft is None or rate < RATE_SENSITIVE or named(soft.name) != soft:
+    if soft is None or rate < rate_sensitive or named(soft.name) != soft:
         missing = "missing: strain_rate_coefficient or rate_multiplier of the material that yields"
         return RULE.unjudged(missing + opened, rate)._replace(change=size)
     why = f"at {rate:.3g} 1/s {soft.name} is stronger than in slow loading, and the catalogue has no coefficient for it"
-    return RULE.failing(why + opened, rate, RATE_SENSITIVE)._replace(change=size)
+    return RULE.failing(why + opened, rate, rate_sensitive)._replace(change=size)
 
 
 def _open(static: Problem) -> tuple[float | None, str]:

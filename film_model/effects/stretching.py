@@ -8,8 +8,6 @@ from film_model.effects.judged import judged
 from film_model.problem.problem import Problem
 from film_model.scene import Scene
 
-NAME = "stretching"
-
 
 def possible(scene: Scene) -> bool:
     """Whether they can be simulated, and the scene does not switch them off. SimulationError if it asks in vain."""
@@ -27,14 +25,12 @@ def needed(problem: Problem) -> bool:
     if not possible(problem.scene):
         return False
     ends = problem if problem.trial.ends else problem.again(load=0.0)  # the weight may keep the contact closed
-    return problem.scene.effects.stretching is True or judged(ends, NAME).state == NOT_MODELLED
+    return problem.scene.effects.stretching is True or judged(ends, "stretching").state == NOT_MODELLED
 
 
 def settled(effect: Effect, problem: Problem) -> Effect:
     """The estimated effect with what was decided about it. problem: what is simulated."""
     scene = problem.scene
-    if effect.name != NAME:
-        return effect
     if problem.stretches:
         return effect._replace(state=SIMULATED, cost=STRETCHED)
     if scene.effects.stretching is False and effect.change is not None:

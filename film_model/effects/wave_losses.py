@@ -28,18 +28,8 @@ from film_model.targets.waves import HERTZ_SQUARE
 HERTZ_TIME = 2.9432751843
 """Contact time times approach velocity over largest indentation, of an elastic impact: 2 √π Γ(7/5)/Γ(9/10)."""
 
-LATE, SLOWING = 100.0, 0.07
-"""Approach velocity over yield velocity beyond which Z rises, and the power with which it does."""
-
 MOST_WEIGHT = 0.1
 """Weight over the largest elastic force, beyond which the impact lasts longer than its velocity says."""
-
-SURE = 0.9
-"""Energy of the waves of the elastic impact over the tolerated change, up to which nothing is tried: an impact that
-yields radiates less, and no other value changes as much."""
-
-LARGE = 0.15
-"""Energy of the waves over that of the impact, beyond which terms of second order matter."""
 
 
 def impedance_of(scene: Scene, yielding: bool) -> Any:
@@ -50,7 +40,8 @@ def impedance_of(scene: Scene, yielding: bool) -> Any:
     impedance = scene.target.radiation_impedance(duration(scene))
     ratio = yield_velocities(scene) if yielding else None
     if ratio is not None:
-        impedance = impedance * greater(ratio / LATE, 1.0) ** SLOWING
+        # Z rises beyond this ratio of approach to yield velocity
+        impedance = impedance * greater(ratio / 100.0, 1.0) ** 0.07
     return either(scene.approach_velocity > 0.0, impedance, math.inf)
 
 
@@ -110,7 +101,8 @@ def radiating(problem: Problem) -> tuple[Problem, Any]:
         return problem, False
     scene = problem.impacts.scene
     most = HERTZ_SQUARE * largest_force(scene) ** 2.0 * duration(scene) / (made.impedance * scene.kinetic_energy)
-    doubtful = either(pressed(problem), False, most > SURE * problem.scene.effect_tolerance)
+    # an impact that yields radiates less than the elastic one, and no other value changes as much
+    doubtful = either(pressed(problem), False, most > 0.9 * problem.scene.effect_tolerance)
     if not problem.impacts.many:
         return made, doubtful and matters(made, problem)
     return made, matters(made, problem, where=column(doubtful, problem.approach.size))
@@ -135,7 +127,7 @@ def remarks(problem: Problem) -> tuple[str, ...]:
     if problem.scene.target.gives_way or problem.free or not problem.gamma > 0.0 or not problem.trial.ends:
         return ()
     share = radiated(problem, problem.trial.summary) / (0.5 * problem.approach**2)
-    if share <= LARGE:
+    if share <= 0.15:  # beyond, terms of second order matter
         return ()
     return (f"waves in the half-space carry away {percent(share)} of the impact energy, simulated to first order",)
 
@@ -143,12 +135,7 @@ def remarks(problem: Problem) -> tuple[str, ...]:
 def settled(effect: Effect, problem: Problem) -> Effect:
     """The estimated effect with what was decided about it. problem: what is simulated."""
     scene, simulated = problem.scene, problem.gamma > 0.0
-    if (
-        effect.name != "wave_losses"
-        or scene.target.gives_way
-        or scene.nose is not None
-        or (effect.change is None and not simulated)
-    ):
+    if scene.target.gives_way or scene.nose is not None or (effect.change is None and not simulated):
         return effect
     if pressed(problem) and not simulated:
         why = "the weight makes the impact last longer than its velocity says"

@@ -12,7 +12,6 @@ from film_model.laws.yielding import yield_point
 TRANSITION = 13.93  # δ_tep/δ_y
 FULLY_PLASTIC = 82.5  # δ_p/δ_y
 LINEAR_SLOPE = 5.40  # K_l/(K √δ_y)
-PLASTIC_SLOPE = 4.6 / 1.1  # K_p δ_y/F_y, from K_p = 4.6 π R S_y and F_y = 1.1 π R S_y δ_y
 
 
 @dataclass(frozen=True)
@@ -65,6 +64,7 @@ class BigAlabo(AbstractLaw):
             Power(constant=2.0, slope=0.8 / (FULLY_PLASTIC - TRANSITION)),
             Power(constant=2.8),
         )
+        # slope K_p δ_y/F_y, from K_p = 4.6 π R S_y and F_y = 1.1 π R S_y δ_y
         return (
             Stage("elastic", 0.0, 1.0, Power(coefficient=1.0, exponent=1.5)),
             Stage(
@@ -85,7 +85,7 @@ class BigAlabo(AbstractLaw):
                 "fully plastic",
                 FULLY_PLASTIC,
                 float("inf"),
-                Power(constant=f_plastic, slope=PLASTIC_SLOPE),
+                Power(constant=f_plastic, slope=4.6 / 1.1),
                 Unloading(radius_ratio=radius[2]),
             ),
         )

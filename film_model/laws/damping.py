@@ -11,7 +11,6 @@ import numpy as np
 from film_model.base.arrays import Array, exponential
 
 _STRONGEST = 1e6  # upper bound of the damping ratio, at which e = 2.5e-13
-_NEAR = 1e-9  # distance from the end of an interval at which a limit of 0/0 is reached to the last digit
 _REMAINDER = [1.0 / k for k in range(13, 1, -1)]  # of (−x − ln(1 − x))/x², the highest power first
 _ALMOST = 1.0 - 1e-15  # excludes the end of an interval, where the logarithm is singular
 
@@ -54,10 +53,11 @@ def spring_ratio(restitution: Any) -> Any:
 
 def _spring_ratios(restitution: Array) -> Array:
     """ζ = sin φ with (π − 2φ) tan φ = −ln e below 1, ζ = cosh u with 2 u/tanh u = −ln e above."""
+    near = 1e-9  # distance from the end of an interval at which a limit of 0/0 is reached to the last digit
     wanted = -np.log(np.maximum(restitution, spring_restitution(_STRONGEST)))
     ratio, under = np.empty(wanted.shape), wanted < 2.0
-    angle = _roots(lambda at, w: (math.pi - 2.0 * at) * np.tan(at) - w, 0.0, 0.5 * math.pi - _NEAR, wanted[under])
-    beyond = _roots(lambda at, w: 2.0 * at / np.tanh(at) - w, _NEAR, math.acosh(_STRONGEST), wanted[~under])
+    angle = _roots(lambda at, w: (math.pi - 2.0 * at) * np.tan(at) - w, 0.0, 0.5 * math.pi - near, wanted[under])
+    beyond = _roots(lambda at, w: 2.0 * at / np.tanh(at) - w, near, math.acosh(_STRONGEST), wanted[~under])
     ratio[under], ratio[~under] = np.sin(angle), np.cosh(beyond)
     return ratio
 

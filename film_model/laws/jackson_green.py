@@ -17,7 +17,6 @@ ELASTIC_LIMIT = 1.9  # ω/ω_c up to which the force is Hertz's, though the cont
 LAST_RESIDUAL = ELASTIC_LIMIT * 2.0**9  # 973 ω/ω_c up to which the residual indentation is the published one
 FITTED_STRAIN = (0.001, 0.009)  # S_y/E
 FITTED_RADIUS = 0.41  # a/R
-BLENDING = 1.9  # ω_c over which the correction of the continuous variant decays by a factor e
 
 
 @dataclass(frozen=True)
@@ -61,7 +60,8 @@ class Plastic:
         if not self.mended:
             return force
         jump = ELASTIC_LIMIT**1.5 / self.printed(np.array([ELASTIC_LIMIT])) - 1.0
-        return force * (1.0 + jump * np.exp((ELASTIC_LIMIT - w) / BLENDING))
+        # the correction decays by a factor e over 1.9 ω_c
+        return force * (1.0 + jump * np.exp((ELASTIC_LIMIT - w) / 1.9))
 
 
 def _residual(w: Array) -> Array:

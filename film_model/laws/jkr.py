@@ -23,8 +23,6 @@ PARTING = -(3.0 ** (2.0 / 3.0))  # δ/δ_s at which a contact of given indentati
 UNLOADED = 2.0 ** (4.0 / 3.0)  # ... without a force
 DEEPEST = UNLOADED * 2.0**20
 
-_NEWTON = 40
-
 
 def _root_of_radius(indentation: Array) -> Array:
     """u = √(a/a_c) from 3 u⁴ − 4 u = δ/δ_s, on the stable branch u³ ≥ 1/3.
@@ -35,7 +33,7 @@ def _root_of_radius(indentation: Array) -> Array:
     least = 3.0 ** (-1.0 / 3.0)
     right = np.sqrt(np.maximum(indentation - PARTING, 0.0))
     v = right / (math.sqrt(18.0) * least + 3.0**0.25 * np.sqrt(right))
-    for _ in range(_NEWTON):
+    for _ in range(40):
         inner = np.sqrt(18.0 * least**2 + 12.0 * least * v + 3.0 * v * v)
         v = np.maximum(v - (v * inner - right) / (inner + v * (6.0 * least + 3.0 * v) / inner), 0.0)
     return least + v

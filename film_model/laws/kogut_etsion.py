@@ -9,7 +9,6 @@ from typing import ClassVar
 from film_model.laws.law import AbstractLaw, Array, Family, Parameter, Power, Stage, Unloading
 from film_model.laws.yielding import limit_point
 
-LAST = 1e5  # ω/ω_c at which the law ends: beyond 2e5 the unloading exponent would fall below one
 STAGES = ((1.0, 1.03, 1.425), (6.0, 1.40, 1.263))  # ω/ω_c at which each begins, its coefficient and its exponent
 FULLY_PLASTIC = 110.0
 
@@ -87,4 +86,5 @@ class KogutEtsion(AbstractLaw):
             force = factor * end**power
         slope = 3.0 / self.pressure_factor
         last = Power(constant=slope * FULLY_PLASTIC if printed else force, slope=slope)
-        return (*stages, Stage("fully plastic", FULLY_PLASTIC, LAST, last, unloading))
+        # beyond 2e5 ω_c the unloading exponent would fall below one
+        return (*stages, Stage("fully plastic", FULLY_PLASTIC, 1e5, last, unloading))

@@ -16,10 +16,7 @@ from film_model.base.tables import HEADING, rows_of
 from film_model.base.units import to_si
 from film_model.laws.law import AbstractLaw, Array, ExampleBall, Family, Parameter, Stage
 
-MOST_BYTES = 50_000_000
 MOST_ROWS = 5000
-MOST_KNOTS = 60
-"""Most points that are interpolated; a longer table is represented by 60 of its points."""
 
 _CLOSE = 1e-9  # relative to the largest force: a smaller deviation needs no more points
 _COLUMNS = {"indentation": "length", "force": "force"}
@@ -47,19 +44,16 @@ def _interpolant(points: tuple[tuple[float, float], ...]) -> Any:
 @lru_cache(maxsize=64)
 def _thinned(indentation: tuple[float, ...], force: tuple[float, ...]) -> tuple[tuple[tuple[float, float], ...], float]:
     """At most MOST_KNOTS points (ξ, f), and the largest deviation of the others relative to the largest force."""
+    most_knots = 60  # of a longer table so many points are interpolated
     xi, f = np.array(indentation) / indentation[-1], np.array(force) / max(force)
-    chosen = set(range(len(xi))) if len(xi) <= MOST_KNOTS else {0, len(xi) - 1}
+    chosen = set(range(len(xi))) if len(xi) <= most_knots else {0, len(xi) - 1}
     while True:
         points = tuple((float(xi[k]), float(f[k])) for k in sorted(chosen))
         misses = np.abs(_interpolant.__wrapped__(points)(xi) - f)
         worst = int(np.argmax(misses))
-        if misses[worst] <= _CLOSE or len(chosen) >= MOST_KNOTS:
+        if misses[worst] <= _CLOSE or len(chosen) >= most_knots:
             return points, float(misses[worst])
         chosen.add(worst)
-
-
-CLOSEST = 1e-9
-"""Least distance of two points over the last indentation; the slopes between closer ones are rounding."""
 
 
 @dataclass(frozen=True)
@@ -147,7 +141,7 @@ def _mistakes(indentation: Sequence[float], force: Sequence[float]) -> dict[str,
     for k, (a, b) in enumerate(pairwise(indentation), 2):
         if not b > a:
             return {"indentation": f"point {k}, {b:g} m, is not above the one before, {a:g} m: it must increase"}
-        if b - a < CLOSEST * indentation[-1]:
+        if b - a < 1e-9 * indentation[-1]:  # the slopes between closer points are rounding
             return {"indentation": f"point {k}, {b:g} m, is too close to the one before, {a:g} m: leave one out"}
     if not force[0] >= 0.0:
         return {"force": f"the first value is {force[0]:g} N; it must be >= 0 N"}
@@ -165,7 +159,7 @@ def read_table(path: str) -> tuple[tuple[float, ...], tuple[float, ...]]:
     """
     columns: tuple[list[float], list[float]] = ([], [])
     try:
-        rows = rows_of(path, read_bytes(path, MOST_BYTES).decode("utf-8-sig"))
+        rows = rows_of(path, read_bytes(path, 50_000_000).decode("utf-8-sig"))
     except UnicodeDecodeError as error:
         raise ValueError(f"{shown(path)} is not a text in UTF-8: byte {error.start}") from None
     except ValueError as error:

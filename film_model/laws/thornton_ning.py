@@ -14,17 +14,12 @@ from film_model.laws.adhesive import AdhesiveLaw
 from film_model.laws.jkr import PARTING, UNLOADED, jkr_force, jkr_scales
 from film_model.laws.law import ExampleBall, Parameter, Power, Stage, Unloading
 
-SOFTEST = 2.0 ** (5.0 / 3.0) / 3.0
-"""Least p_y π R/(2 E a_c), at which the sphere yields where a contact without a force is: 1.0583."""
-
 WIDEST = 1024.0
 """The law ends where the contact radius is this many times that at yield."""
 
 _RATIO, _KNOTS = 4.0, 30
 """Of the indentation between pieces of the elastic force, and their least number: up to p_y π R/(2 E a_c) = 1e7 all
 laws have the same pieces, so that sweeps share them."""
-
-_NEWTON = 12
 
 
 @dataclass(frozen=True)
@@ -37,7 +32,7 @@ class _Plastic:
     def radius(self) -> Any:
         """α_y = u², u³ − P u − 2/3 = 0, by Newton's method from above: the cubic is convex there."""
         u = self.pressure**0.5 + 1.0
-        for _ in range(_NEWTON):
+        for _ in range(12):
             square = u * u
             u = u - (u * (square - self.pressure) - 2.0 / 3.0) / (3.0 * square - self.pressure)
         return u * u
@@ -99,12 +94,13 @@ class ThorntonNing(AdhesiveLaw):
     yield_pressure: float
 
     def __post_init__(self) -> None:
-        if np.any(self.similarity < SOFTEST):
+        softest = 2.0 ** (5.0 / 3.0) / 3.0  # 1.0583, at which the sphere yields where a contact without a force is
+        if np.any(self.similarity < softest):
             names = ("yield_pressure", "work_of_adhesion", "radius", "similarity")
             columns = np.broadcast_arrays(*(getattr(self, name) for name in names))
             pressure, work, radius, similarity = (column.flat[columns[-1].argmin()] for column in columns)
             raise ValueError(
-                f"yield_pressure {pressure:.4g} Pa must be at least {SOFTEST / similarity * pressure:.4g} Pa at a work "
+                f"yield_pressure {pressure:.4g} Pa must be at least {softest / similarity * pressure:.4g} Pa at a work "
                 f"of adhesion of {work:.4g} J/m^2 and a radius of {radius:.4g} m: adhesion alone yields it"
             )
 

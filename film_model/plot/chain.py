@@ -14,10 +14,6 @@ from film_model.solve.chain_motion import ChainMotion
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-FEW = 6
-"""Up to so many bodies each has a line; more are a map."""
-
-POINTS = 501
 SIZE = (7.2, 5.4)  # inches
 
 
@@ -28,7 +24,7 @@ def plot_chain(motion: ChainMotion, path: str | os.PathLike[str] | None = None, 
 
 def _draw(figure: Figure, motion: ChainMotion) -> None:
     figure.set_layout_engine("constrained")
-    times = np.linspace(*motion.span, POINTS)
+    times = np.linspace(*motion.span, 501)
     values = motion.sample_si(times)
     second, unit_of_time = prefixed_unit(times, "time")
     panels: Any = figure.subplots(2, sharex=True)
@@ -39,7 +35,7 @@ def _draw(figure: Figure, motion: ChainMotion) -> None:
         names = motion.chain.link_names if what == "contact" else range(1, len(rows) + 1)
         size, unit = prefixed_unit(rows, dimension)
         label = f"{dimension} ({unit})"
-        if len(motion.values["body_mass"]) > FEW:
+        if len(motion.values["body_mass"]) > 6:  # more bodies are a map
             edges = np.arange(len(rows) + 1) + 0.5
             drawn = panel.pcolormesh(_edges(times) / second, edges, rows / size, cmap="viridis", rasterized=True)
             figure.colorbar(drawn, ax=panel, label=label)

@@ -16,8 +16,6 @@ if TYPE_CHECKING:
 OTHERS = tuple(colour for colour in COLOURS if colour != HIGHLIGHT)
 """Colours of the other methods; those of a second round are dashed, with hollow markers."""
 
-LEAST = 1e-15  # smaller errors are rounding and are drawn here
-
 
 def plot_study(study: Study, path: str | os.PathLike[str] | None = None, dpi: float = 200.0) -> Figure:
     """Largest error against time for every method, for a single impact and in a batch; the Pareto front is marked.
@@ -53,13 +51,14 @@ def _figure(
 
 
 def _draw(panel: Axes, study: Study, timing: str, handles: dict[str, Any]) -> None:
+    least = 1e-15  # smaller errors are rounding and are drawn here
     names = list(dict.fromkeys(run.method for run in study.runs))
     for k, name in enumerate(names):
         runs = [run for run in study.runs if run.method == name and run.errors and getattr(run, timing) is not None]
         if not runs:
             continue
         ours = name == study.film
-        x = [max(run.error, LEAST) for run in runs]
+        x = [max(run.error, least) for run in runs]
         y = [getattr(run, timing).median for run in runs]
         second = k > len(OTHERS)
         style: dict[str, Any] = {
@@ -72,8 +71,8 @@ def _draw(panel: Axes, study: Study, timing: str, handles: dict[str, Any]) -> No
         handles.setdefault(name, line)
     front = study.front(timing)
     if front:
-        x, y = [max(run.error, LEAST) for run in front], [getattr(run, timing).median for run in front]
+        x, y = [max(run.error, least) for run in front], [getattr(run, timing).median for run in front]
         line = panel.scatter(x, y, s=70, facecolors="none", edgecolors="0.3", linewidths=0.8, zorder=4)
         handles.setdefault("Pareto-optimal", line)
     panel.grid(True, which="major", color="0.92", linewidth=0.6)
-    panel.set_xlim(LEAST / 3.0, 0.3)
+    panel.set_xlim(least / 3.0, 0.3)

@@ -20,7 +20,6 @@ if TYPE_CHECKING:
 
 SIZE = (8.6, 6.2)  # inches
 OURS, THEIRS = COLOURS[0], HIGHLIGHT
-SAMPLES = 300
 
 
 def plot_translation(
@@ -73,7 +72,7 @@ def _history(panel: Axes, scene: Scene, made: Translation, impacts: Any, at: int
     speed = float(made.velocities[at])
     ours = simulate_quietly(scene_at(scene, speed))
     longest = max(made.wanted["duration"][at], made.found["duration"][at])
-    times = np.linspace(0.0, longest, SAMPLES)
+    times = np.linspace(0.0, longest, 300)
     forces = ours.sample_si(times).contact_force
     clock, second = prefixed_unit(times, "time")
     size, newton = prefixed_unit(forces, "force")

@@ -24,8 +24,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-SAMPLES = 1001  # evenly spaced over the contact: enough for lines without visible corners in print
-
 LABELS = {
     "contact_begins": "contact again",
     "stage_changes": "{stage} begins",
@@ -34,9 +32,6 @@ LABELS = {
     "reloading_begins": "reloading",
     "contact_ends": "contact ends",
 }
-
-LABEL_ROWS, LETTER = 3, 4.4
-"""Rows of event labels above the panels (a label without room is omitted), and the width of a letter in points."""
 
 NUMBERS = {
     **{"maximum_force": "peak force", "maximum_indentation": "peak indentation", "contact_duration": "contact"},
@@ -52,18 +47,6 @@ VELOCITIES = {"impactor_velocity": "-", "target_velocity": "--", "relative_veloc
 DISPLACEMENTS = {"impactor_displacement": "-", "target_displacement": "--"}
 LINES = VELOCITIES | DISPLACEMENTS
 """Line styles of the quantities that share a panel."""
-
-MOST_MARKED = 12
-"""Beyond so many events only those at which contact begins and ends are marked."""
-
-MOST_STEPS = 5000
-"""Up to so many steps in contact each is sampled at its beginning and middle, too."""
-
-MOST_NAMED = 6
-"""Up to so many sensors have their names above their panel."""
-
-WEAKEST = 1e-6
-"""Least energy in the spectrum, over the largest."""
 
 ABOVE: dict[str, Any] = {
     **{"loc": "lower right", "bbox_to_anchor": (1.0, 1.01), "ncols": 3, "borderaxespad": 0.0},
@@ -99,8 +82,10 @@ class Trace:
     def of(cls, history: History) -> Trace:
         """The whole contact at evenly spaced times and at all events."""
         scene, vibration = history.scene, history.vibration
-        times = [np.linspace(0.0, history.duration, SAMPLES), [event.time for event in history.events]]
-        if vibration is not None and len(vibration.segments) <= MOST_STEPS:
+        # enough for lines without visible corners in print
+        times = [np.linspace(0.0, history.duration, 1001), [event.time for event in history.events]]
+        # so many steps in contact are sampled at their beginning and middle, too
+        if vibration is not None and len(vibration.segments) <= 5000:
             begin, step = (vibration.segments[name] for name in ("time", "h"))
             times += [begin, (begin + 0.5 * step)[step < np.inf]]
         samples = history.sample_si(np.unique(np.concatenate(times)))
@@ -224,10 +209,6 @@ def friction_over_time(history: History) -> tuple[Any, Any, Any] | None:
     return t, force, mu * history.sample_si(t).contact_force
 
 
-NARROWEST = 20.0
-"""Least ratio of the ends of the spectrum's axis of energy, so that powers of ten stand there."""
-
-
 def _work(force: Any, displacement: Any) -> Any:
     return np.concatenate([[0.0], np.cumsum(0.5 * (force[1:] + force[:-1]) * np.diff(displacement))])
 
@@ -261,19 +242,20 @@ def _sensors(panel: Axes, trace: Trace) -> None:
     for k, (name, values) in enumerate(trace.sensed.items()):
         panel.plot(trace.samples.time / x_size, values / size, color=COLOURS[k % len(COLOURS)], label=plain(name))
     panel.set(xlabel=f"time ({x_unit})", ylabel=f"sensors ({unit.replace('^2', '²')})")
-    if len(trace.sensed) <= MOST_NAMED:
+    if len(trace.sensed) <= 6:
         panel.legend(**ABOVE)
 
 
 def _spectrum(panel: Axes, frequency: Any, energy: Any) -> None:
     """The energy of each vibration at the end over its frequency; of a motion as a whole, in words."""
     whole, total = float(energy[frequency == 0.0].sum()), float(energy.sum())
-    bends = (frequency > 0.0) & (energy > WEAKEST * energy.max(initial=0.0))
+    bends = (frequency > 0.0) & (energy > 1e-6 * energy.max(initial=0.0))
     frequency, energy = frequency[bends], energy[bends]
     size, unit = prefixed_unit(energy, "energy")
     panel.set(xscale="log", yscale="log", xlabel="frequency (kHz)", ylabel=f"energy ({unit})")
     if frequency.size:
-        least = min(0.5 * float(energy.min()), float(energy.max()) / NARROWEST) / size
+        # the axis of energy has powers of ten
+        least = min(0.5 * float(energy.min()), float(energy.max()) / 20.0) / size
         if frequency.size == 1:
             panel.set_xlim(*(factor * float(frequency[0]) / 1e3 for factor in (0.1, 10.0)))
         panel.vlines(frequency / 1e3, least, energy / size, color=COLOURS[0], linewidth=0.8)
@@ -294,24 +276,25 @@ def _runs(stages: Any) -> Iterator[tuple[str, slice]]:
 
 def _mark_events(panels: list[Axes], trace: Trace) -> None:
     """A thin line at every event after first touch, with a label above the first panel if there is room."""
+    letter = 4.4  # width of a letter in points; a label without room is omitted
     top, size = panels[0], _unit(trace.samples.time, "time")[0]
     width, height = top.get_position().width * SIZE[0] * 72.0, top.get_position().height * SIZE[1] * 72.0  # points
-    span, ends = top.get_xlim()[1], [-math.inf] * LABEL_ROWS
+    span, ends = top.get_xlim()[1], [-math.inf] * 3
     thin: dict[str, Any] = {"color": "0.55", "linewidth": 0.5}
     labels: dict[str, float] = {}  # of the first event of a kind
     contacts = ("contact_begins", "contact_ends")
-    few = len(trace.events) <= MOST_MARKED
+    few = len(trace.events) <= 12  # of more events only those at which contact begins and ends are marked
     for event in (event for event in trace.events[1:] if few or event.name in contacts):
         labels.setdefault(LABELS.get(event.name, event.name).format(stage=event.stage), event.time / size)
         for panel in panels:
             panel.axvline(event.time / size, zorder=0, **thin)
     for t in dict.fromkeys(labels.values()):
         text = ", ".join(label for label, time in labels.items() if time == t)
-        half, at = 0.5 * LETTER * len(text), t / span * width
+        half, at = 0.5 * letter * len(text), t / span * width
         middle = min(max(at, half), width - half)
         row = next((k for k, end in enumerate(ends) if middle - half > end), None)
         if row is not None:
-            ends[row] = middle + half + LETTER
+            ends[row] = middle + half + letter
             top.axvline(t, 1.0, 1.0 + 10.0 * row / height, clip_on=False, zorder=0, **thin)
             note = top.annotate(
                 plain(text), (t, 1.0), (middle - at, 3.0 + 10.0 * row), top.get_xaxis_transform(), "offset points"

@@ -17,7 +17,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 COLUMNS = 6
-WIDTH, ROW, MARGINS = 13.0, 2.0, 1.4  # inches: the picture's width, the height of a row, title and axis labels
 FAMILY_COLOURS = dict(zip(FAMILIES, COLOURS, strict=False))
 _SPACING = {"left": 0.058, "right": 0.985, "bottom": 0.085, "top": 0.905, "hspace": 0.24, "wspace": 0.1}
 
@@ -28,7 +27,8 @@ def plot_laws(path: str | os.PathLike[str] | None = None, dpi: float = 200.0) ->
     Indentation and force are divided by the largest that Hertz's law gives. Files, errors and dpi: see `picture`.
     """
     rows = math.ceil((len(LAWS) + 1) / COLUMNS)  # a cell at least is left for the legend
-    return picture(path, lambda figure: _draw(figure, rows), (WIDTH, MARGINS + ROW * rows), dpi)
+    # inches: the width of the picture; title and axis labels, and the height of a row
+    return picture(path, lambda figure: _draw(figure, rows), (13.0, 1.4 + 2.0 * rows), dpi)
 
 
 def _draw(figure: Figure, rows: int) -> None:

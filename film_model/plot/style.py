@@ -52,8 +52,6 @@ STYLES: dict[str, str] = {
 }
 """Styles of pictures."""
 
-PAPER_DPI = 600.0
-
 _COMMON: dict[Any, Any] = {
     **{"font.size": 9.0, "lines.linewidth": 1.6, "hatch.linewidth": 0.5},
     **{"svg.hashsalt": "film-model", "svg.fonttype": "none"},
@@ -87,7 +85,7 @@ def picture(
         if style == "dark":
             _darken(figure)
         if target is not None:
-            _save(figure, target, max(dpi, PAPER_DPI) if style == "paper" else dpi)
+            _save(figure, target, max(dpi, 600.0) if style == "paper" else dpi)
     return figure
 
 

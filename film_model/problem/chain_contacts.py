@@ -12,9 +12,6 @@ from film_model.problem.law_of_scene import ELASTIC, YIELDING, SceneLaw, can_yie
 from film_model.scene import STANDARD_GRAVITY, Scene
 from film_model.scene.chain import Chain, Link
 
-LEAST_DEPTH = 1e-9
-"""Over δ_s."""
-
 
 class ChainContact(NamedTuple):
     """A contact in SI: the scene of its two bodies, its law and curve, δ_s [m], F_s [N], about its largest indentation
@@ -79,6 +76,6 @@ def _depth(curve: Curve, energy: float) -> float:
     last, depth = curve.native.stage[curve.native.stages - 1].end, 1.0
     while depth < last and curve.work(depth) < energy:
         depth *= 2.0
-    while curve.work(depth) > 4.0 * energy and depth > LEAST_DEPTH:
+    while curve.work(depth) > 4.0 * energy and depth > 1e-9:
         depth *= 0.5
     return min(depth, last)

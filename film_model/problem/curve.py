@@ -19,9 +19,6 @@ from film_model.problem.families import Page, page_of
 from film_model.problem.fit import CHECKS, assemble, checked, values_of
 from film_model.problem.restitution import Rise, rises
 
-STEEP = 2.0
-"""Exponent of unloading above which its first segments have larger errors than those of loading."""
-
 
 @dataclass(frozen=True)
 class Curve:
@@ -47,7 +44,8 @@ class Curve:
 
         If the force falls to 0 slowly, the core takes two or four times as many (`film_unloading`).
         """
-        return 2 if self.steepest > STEEP else 1
+        # the first segments of unloading then have larger errors than those of loading
+        return 2 if self.steepest > 2.0 else 1
 
     @cached_property
     def warnings(self) -> tuple[str, ...]:

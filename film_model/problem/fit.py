@@ -22,9 +22,6 @@ from film_model.problem.series import coefficients, mean_series
 FIT_TOLERANCE = 1e-13
 """Largest difference between a fitted function and the law, relative to the function's largest value in the stage."""
 
-PULL_TOLERANCE = 1e-11
-"""The same where a stage that pulls begins like a root below 0: the rounding of ξ limits the root of ξ − ξ_b."""
-
 FIT_ROUNDING = 4e-16
 """Trailing terms of a series are dropped if smaller than this, relative to the function's largest value."""
 
@@ -196,7 +193,8 @@ def halved(stage: Stage, functions: Mapping[str, Function], room: int) -> tuple[
     while fitted and len(pieces) < room:
         worst = max(range(len(pieces)), key=lambda k: pieces[k][4])
         begin, end, root, _, error = pieces[worst]
-        if error <= (PULL_TOLERANCE if root and stage.pulls else FIT_TOLERANCE):
+        # a stage that pulls may begin like a root below 0: the rounding of ξ limits the root of ξ − ξ_b
+        if error <= (1e-11 if root and stage.pulls else FIT_TOLERANCE):
             break
         # a root stage is split near its singular point, so that the function is smooth on the rest
         middle = begin + (0.25 if root else 0.5) * (end - begin)

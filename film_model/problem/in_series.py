@@ -17,12 +17,6 @@ from film_model.problem.families import ANY_SHAPE, EDGES, Page, page_number
 from film_model.problem.fit import values_of
 from film_model.problem.problem import Impacts
 
-SURE = 0.5
-"""Of the compliance at which the contact would snap through, because the slope is known at some points only."""
-
-CONTINUOUS = 1e-9
-"""Relative difference of the force up to which it does not jump between stages."""
-
 
 def sure_in_series(impacts: Impacts, compliance: Array) -> Mask:
     """Whether the law of each impact is sure to be accepted in series with a target of its compliance [m/N].
@@ -34,7 +28,8 @@ def sure_in_series(impacts: Impacts, compliance: Array) -> Mask:
         fall = steepest_fall(impacts.one_law) if own.page is None else _fall_of_page(impacts.one_law, own.page)
     except SimulationError:
         return np.zeros(compliance.shape, np.bool_)
-    followed = compliance * scales.force / scales.length * fall < SURE
+    # half the compliance of a snap through, because the slope is known at some points only
+    followed = compliance * scales.force / scales.length * fall < 0.5
     if own.varied is None:
         return followed
     stages = impacts.law.at(slice(None)).stages()
@@ -64,7 +59,7 @@ def _never_fall(stages: tuple[Stage, ...], shape: tuple[int, ...]) -> Mask:
         if isinstance(power, Power):
             found &= (np.asarray(power.slope) >= 0.0) & (np.asarray(power.coefficient) >= 0.0)
         begins = _force(stage, stage.begin)
-        found &= abs(begins - before) <= CONTINUOUS * abs(begins)
+        found &= abs(begins - before) <= 1e-9 * abs(begins)
         before = _force(stage, stage.end) if np.isfinite(stage.end) else before
     return found
 

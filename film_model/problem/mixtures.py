@@ -52,9 +52,6 @@ BESIDE = {1: 12, 2: 7}
 """Chebyshev nodes in each number beside the shape, of which there are one or two. From 6 on, only rounding is left of
 the error under jackson-green, 1e-14 to 5e-14; under elastoplastic, these leave 1e-11 where S_y/E is above 1e-4."""
 
-TOGETHER = 512
-"""Laws that are evaluated at the marks at once: their arrays stay in the processor's cache."""
-
 
 def mixture_of(law: AbstractLaw, names: Iterable[str]) -> Page:
     """The page of a law for any values of some of its numbers beside the shape. ValueError if the shape is outside all
@@ -74,11 +71,12 @@ def mixed_numbers(page: Page, law_at: Callable[[Any], AbstractLaw], count: int) 
     law_at: the law at an index, or, at several indices, with arrays of their shape in its fields. Raises ValueError if
     laws with arrays differ from laws alone.
     """
+    together = 512  # laws that are evaluated at once: their arrays stay in the processor's cache
     marks = page.marks
     assert marks is not None
     found = np.empty((count, page.family.nodes + 1))
-    for first in range(0, count, TOGETHER):
-        rows = slice(first, first + TOGETHER)
+    for first in range(0, count, together):
+        rows = slice(first, first + together)
         last: Any = law_at((rows, None)).stages()[-1]
         found[rows, :-1], found[rows, -1:] = values_at(last, marks), last.end
 

@@ -28,11 +28,6 @@ from film_model.problem.scales import Scales, motion_of, scales_from, scales_of
 from film_model.scene import Scene
 from film_model.scene.columns import scene_of_columns
 
-CONTACT_LIMIT = 100.0
-"""A contact under a load or of a law that pulls, which may never end, is followed for this many elastic contact times
-and times m/Z."""
-
-
 TRIAL_SEGMENTS = 16
 """Segments per stage of the trial march. Its relative errors, about 1e-5, are similar with and without an effect."""
 
@@ -239,7 +234,7 @@ class Problem:
     own: OwnCurves = OwnCurves()
     _others: dict[Any, Problem] = field(default_factory=dict, init=False, repr=False, compare=False)
 
-    @property
+    @cached_property
     def scene(self) -> Scene:
         """The scene; for many impacts, the scene whose numbers are varied."""
         return self.impacts.base
@@ -269,16 +264,11 @@ class Problem:
         if isinstance(places, np.ndarray) and places.dtype == np.bool_ and places.all():
             return self
         numbers = ("gamma", "load", "damping", "approach", "drift", "share", "mass")
-        return Problem(
+        return replace(
+            self,
             impacts=self.impacts.part(places),
-            law=self.law,
-            curve=self.curve,
             scales=self.scales.part(places),
             given=cast("Any", tuple(_at(values, places) for values in self.given)),
-            free=self.free,
-            vibrates=self.vibrates,
-            stretches=self.stretches,
-            relaxation=self.relaxation,
             own=self.own.part(places),
             **{name: getattr(self, name)[places] for name in numbers},
         )
@@ -379,7 +369,7 @@ def _at(value: Any, places: Any) -> Any:
 
 def contact_limit(approach: Any, gamma: Any) -> Any:
     """Time after which a contact under a load is no longer followed; an elastic contact takes about 3 ν^{-1/5}."""
-    return CONTACT_LIMIT * (3.0 * greater(approach, 1e-3) ** -0.2 + gamma)
+    return 100.0 * (3.0 * greater(approach, 1e-3) ** -0.2 + gamma)  # a hundred elastic contact times, and times m/Z
 
 
 def refuse_relaxation(problem: Problem, what: str) -> None:

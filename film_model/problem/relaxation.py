@@ -18,9 +18,6 @@ from film_model.base.materials import Material
 from film_model.core import relaxing
 from film_model.scene import Scene
 
-ALIKE = 1e-9
-"""Relative difference of two rates that are taken as one."""
-
 _ROOT = np.float64(1e-15)  # relative, of the rates
 
 Series = tuple[float, tuple[tuple[float, float], ...]]
@@ -82,7 +79,7 @@ def _combined(one: Series, two: Series) -> Relaxation:
     parts = sorted((rate, part, of) for of, series in enumerate((one, two)) for part, rate in series[1])
     groups: list[tuple[float, list[float]]] = []  # rates, and the parts of both bodies
     for rate, part, of in parts:
-        if not groups or rate > groups[-1][0] * (1.0 + ALIKE):
+        if not groups or rate > groups[-1][0] * (1.0 + 1e-9):
             groups.append((rate, [0.0, 0.0]))
         groups[-1][1][of] += part
     total, terms = one[0] + two[0], list[tuple[float, float]]()

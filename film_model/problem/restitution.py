@@ -10,11 +10,6 @@ from numpy.typing import NDArray
 
 from film_model.core import native
 
-LEAST_RISE = 0.002
-"""Of the coefficient of restitution over velocity, below which a rise is not reported."""
-
-_DEPTHS, _DEEPEST, _SEGMENTS = 160, 1e4, 24
-
 
 class Rise(NamedTuple):
     """Restitution rises from `low` to `high` between two velocities, and between the depths they lead to, on a fixed
@@ -30,13 +25,14 @@ class Rise(NamedTuple):
 
 def rises(curve: native.Curve, ratio: int) -> tuple[Rise, ...]:
     """Where the restitution of a curve rises with velocity. ratio: unloading segments per loading segment."""
+    count = 160
     last = curve.stage[curve.stages - 1]
     if curve.stage[0].damped or curve.compliance > 0.0 or curve.pull > 0.0 or curve.stages == 1:
         return ()
-    depths = np.geomspace(curve.stage[0].end, min(last.end, _DEEPEST * curve.stage[0].end), _DEPTHS)
-    start: NDArray[Any] = np.zeros(_DEPTHS, native.START_DTYPE)
+    depths = np.geomspace(curve.stage[0].end, min(last.end, 1e4 * curve.stage[0].end), count)
+    start: NDArray[Any] = np.zeros(count, native.START_DTYPE)
     start["nu"], start["stop_velocity"], start["time_limit"] = _speeds(curve, depths), -0.0, math.inf
-    mesh = native.mesh(native.WORK_PRESERVING, _SEGMENTS, ratio * _SEGMENTS)
+    mesh = native.mesh(native.WORK_PRESERVING, 24, ratio * 24)
     status, found = native.batch(curve, mesh, start, native.INSTRUCTIONS.index("plain"))
     ended = status == native.EVENT
     nu, depth = start["nu"][ended], found["maximum_indentation"][ended]
@@ -45,7 +41,7 @@ def rises(curve: native.Curve, ratio: int) -> tuple[Rise, ...]:
     up = np.flatnonzero(np.diff(restitution) > 1e-9)
     for run in np.split(up, np.flatnonzero(np.diff(up) > 1) + 1) if up.size else []:
         a, b = int(run[0]), int(run[-1]) + 1
-        if restitution[b] - restitution[a] > LEAST_RISE:
+        if restitution[b] - restitution[a] > 0.002:  # a smaller rise is not reported
             made.append(Rise(*(float(values[k]) for values in (restitution, nu, depth) for k in (a, b))))
     return tuple(made)
 

@@ -47,19 +47,13 @@ COMPARED = (
 
 _SHOWN = {"final_velocity": "rebound_velocity", "work": "energy_absorbed"}  # the core's names → those of `SUMMARY`
 
-ENERGY_GAIN = 1e-9
-"""Fraction of the impact energy: a smaller negative energy_absorbed is rounding, not a law that gains energy."""
-
-WORK_ROUNDING = 1e-14
-"""Absorbed work below this, over the square of the approach velocity in the core's units, is rounding and set to 0."""
-
 
 def summary_of(problem: Problem, status: Any, core: Any) -> dict[str, Any]:
     """Summary in SI from the core's; nan for what did not happen, and for all values of an impact that failed."""
     s, approach, final = problem.scales, problem.approach, core.final_velocity
     over = status == native.EVENT
     turned = core.maximum_indentation > 0.0
-    absorbed = either(abs(core.work) > WORK_ROUNDING * approach**2, core.work, 0.0)
+    absorbed = either(abs(core.work) > 1e-14 * approach**2, core.work, 0.0)  # less is rounding
     left = dent_of(problem, core.maximum_indentation, core.permanent_indentation)
     with unwarned(status):
         begun = {
@@ -162,7 +156,8 @@ def _core(summary: Any) -> Any:
 
 def gains_energy(problem: Problem, absorbed: Any) -> Any:
     """Whether the law's unloading returns more energy than its loading stored. absorbed: energy, J."""
-    return absorbed < -ENERGY_GAIN * (0.5 * problem.approach**2 * problem.scales.energy)
+    # a smaller negative energy is rounding, not a law that gains energy
+    return absorbed < -1e-9 * (0.5 * problem.approach**2 * problem.scales.energy)
 
 
 def energy_warning(problem: Problem, summary: dict[str, float | None]) -> list[str]:

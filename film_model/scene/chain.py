@@ -20,9 +20,6 @@ from film_model.scene.scene import Scene, scene_of
 from film_model.scene.toml import placed, read_text, text_from_table, toml_table
 from film_model.targets import Body, HalfSpace
 
-CHAIN_ACCURACY = 1e-9
-"""Of final velocities and largest forces, unless a chain asks for another."""
-
 _SECTIONS = {"effects": ("gravity",), "solver": ("accuracy", "duration")}
 """Sections of a file, and the entries of a chain that are in them."""
 
@@ -74,7 +71,7 @@ class Chain(InUnits):
         target: HalfSpace | None = None,
         gravity: bool = False,
         duration: Value | None = None,
-        accuracy: float = CHAIN_ACCURACY,
+        accuracy: float = 1e-9,
         title: str = "",
     ) -> None:
         mistakes = fill(self, locals())

@@ -53,19 +53,18 @@ def read_text(path: str | os.PathLike[str], most: int = LARGEST_FILE) -> tuple[s
     return text, shown_name
 
 
-MOST_KEYS, MOST_LEVELS = 2000, 20
-"""Keys of a file, and parts of a key. The time of tomllib grows with the square of both."""
-
 _KEY = re.compile(r"""^[ \t]*(?:\[{1,2}[^\]=,\n]*\]|(?:"[^"\n]*"|'[^'\n]*'|[^=\n"'\[\]{},#])+=)""", re.MULTILINE)
 """A section's heading, or a key up to its equal sign, at the beginning of a line."""
 
 
 def toml_table(text: str, name: str) -> dict[str, Any]:
     """The table in the text of a TOML file called `name`. Raises SceneError with the line of a mistake."""
+    most_levels = 20
+    most_keys = 2000  # the time of tomllib grows with the square of keys and of their parts
     for count, key in enumerate(_KEY.finditer(text), 1):
-        too_many = count > MOST_KEYS
-        if too_many or key[0].count(".") >= MOST_LEVELS:
-            what = f"more than {MOST_KEYS} keys" if too_many else f"a key of more than {MOST_LEVELS} parts"
+        too_many = count > most_keys
+        if too_many or key[0].count(".") >= most_levels:
+            what = f"more than {most_keys} keys" if too_many else f"a key of more than {most_levels} parts"
             raise SceneError([Mistake(name, text.count("\n", 0, key.start()) + 1, "", what)])
     try:
         return tomllib.loads(text.removeprefix("\ufeff"))

@@ -10,7 +10,7 @@ from film_model.base.arrays import Number
 from film_model.base.errors import STATUSES, CoreError
 from film_model.core import native, solving
 from film_model.problem.problem import Problem, refuse_relaxation
-from film_model.scene import Scene, Solver
+from film_model.scene import Solver
 
 Linearisation: TypeAlias = Literal["work-preserving", "chord"]
 
@@ -35,34 +35,27 @@ def mesh_of(solver: Solver, counts: tuple[int, int]) -> native.Mesh:
     return native.mesh(line_kind(solver), *counts, native.ANY_WAY if solver.segments is None else native.LINES)
 
 
+DEFAULT_SEGMENTS = (24, 48)
+"""Of steps without an impact on which to try meshes, and the least where a load presses an impactor at rest: the
+summary, from which the error is estimated, has only the end of such slow motion."""
+
+
 def line_kind(solver: Solver) -> int:
     """The core's number of the linearisation."""
     return native.CHORD if solver.linearisation == "chord" else native.WORK_PRESERVING
 
 
-def mesh_for(
-    scene: Scene,
-    problem: Problem,
-    accuracy: float | None,
-    segments: int | None,
-    linearisation: Linearisation | None,
-    fallback: tuple[int, int],
-) -> tuple[tuple[int, int], native.Mesh]:
-    """Segment counts and mesh for a scene that is simulated in steps.
-
-    fallback: the counts if there is no impact, and the least counts if a load presses an impactor at rest: the summary,
-    from which the error is estimated, contains only the end of such slow motion.
-    """
-    solver = solver_for(scene.solver, accuracy, segments, linearisation)
+def mesh_for(problem: Problem, solver: Solver) -> tuple[tuple[int, int], native.Mesh]:
+    """Segment counts and mesh of an impact that is simulated in steps."""
     if solver.segments is not None:
         counts = (solver.segments, solver.segments)
     elif problem.approach > 0.0:
         counts = refine(problem, solver, [])[0]
     elif problem.load > 0.0:
         found = refine(problem, solver, [])[0]
-        counts = (max(found[0], fallback[0]), max(found[1], fallback[1]))
+        counts = (max(found[0], DEFAULT_SEGMENTS[0]), max(found[1], DEFAULT_SEGMENTS[1]))
     else:
-        counts = fallback
+        counts = DEFAULT_SEGMENTS
     return counts, mesh_of(solver, counts)
 
 

@@ -27,21 +27,8 @@ if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import Figure
 
-RESOLUTION = 1e-6
-"""Height of a bounce that is rest, over that from which the ball fell."""
-
 MOST_BOUNCES = 5_000
 """Reached where e stays above 0.9986, at the default resolution."""
-
-LOSSLESS = 1e-9
-"""A velocity that falls by a smaller part than this is rounding: rest would take more than 1e9 bounces."""
-
-MOST_SWINGS = 1000
-"""Swings in one contact after which the ball stays on a target that vibrates. On others it stays from the first on,
-since nothing adds energy."""
-
-LOW_BOUNCES = 10
-"""A target that vibrates may throw the ball up after a low bounce: rest is so many low ones."""
 
 COLUMNS: dict[str, tuple[str, str]] = {
     "time": ("time", "of first touch; 0 at the release of a ball with a drop height, otherwise at its first contact"),
@@ -75,17 +62,6 @@ class Bounce(NamedTuple):
     def restitution(self) -> float:
         """Velocity of the rebound over that before; negative if the ball still moves in after the target."""
         return (0.0 - self.velocity_after) / self.velocity_before
-
-
-class _Column:
-    """A value of all bounces as an array of quantities."""
-
-    def __init__(self, name: str) -> None:
-        self.name = name
-        self.dimension, self.__doc__ = COLUMNS[name]
-
-    def __get__(self, instance: Bounces | None, owner: type) -> Any:
-        return self if instance is None else units.quantity(instance.column(self.name), self.dimension)
 
 
 @dataclass(frozen=True)
@@ -140,8 +116,7 @@ class Bounces:
         }
 
 
-for _name in COLUMNS:
-    setattr(Bounces, _name, _Column(_name))
+units.add_quantities(Bounces, COLUMNS, Bounces.column)
 
 
 def bounce(scene: Scene, *, resolution: Any = None, accuracy: float | None = None) -> Bounces:
@@ -152,7 +127,7 @@ def bounce(scene: Scene, *, resolution: Any = None, accuracy: float | None = Non
     of the first fall), or when it stays on the target. A plate without edges moves by its impedance, and under law
     "auto" a half-space takes the energy of waves, however little that changes the first impact: where later ones are
     elastic, only this brings the ball to rest. Effects of law "auto" are chosen for the first impact, at V: waves of
-    a bounce at V' take (V/V')^{2/5} times too much. A ball that no loss stops, that bounces more than `MOST_BOUNCES`
+    a bounce at V' take (V/V')^{2/5} times too much. A ball that no loss stops, that bounces more than 5000
     times, or whose later contacts cannot be solved does not come to rest: `outcome` and a warning say so.
 
     >>> fm.bounce(scene.replace({"contact.law": "tsuji", "contact.restitution": 0.5})).outcome
@@ -176,7 +151,7 @@ def bounce_quietly(scene: Scene, *, resolution: Any = None, accuracy: float | No
     if scene.approach_velocity <= 0.0:
         raise SimulationError("the impactor has no velocity: give velocity or drop_height")
     fallen = 0.5 * scene.impactor.speed**2 / STANDARD_GRAVITY
-    least = RESOLUTION * fallen if resolution is None else units.to_si(resolution, "length", bare=True)
+    least = 1e-6 * fallen if resolution is None else units.to_si(resolution, "length", bare=True)
     if not 0.0 < least < fallen:
         raise ValueError(f"resolution: {least:g} m must be above 0 m and below the height of the fall, {fallen:g} m")
     component = ImpactComponent(_falling(scene), accuracy=accuracy)
@@ -242,10 +217,11 @@ class _Series:
             if last.contact_duration is None:
                 return f"at rest after {at}: the ball stays on the target from contact {count} on", True, ()
             low = low + 1 if last.height < self._least else 0
-            if low >= (LOW_BOUNCES if self._vibrates else 1):
+            if low >= (10 if self._vibrates else 1):  # a target that vibrates may throw the ball up after a low bounce
                 least = format_si(self._least, "length", 3)
                 return f"at rest after {at}: bounce {count} is lower than {least}", True, ()
-            if not self._vibrates and -last.velocity_after >= last.velocity_before * (1.0 - LOSSLESS):
+            # a smaller loss is rounding: rest would take more than 1e9 bounces
+            if not self._vibrates and -last.velocity_after >= last.velocity_before * (1.0 - 1e-9):
                 outcome = f"never comes to rest: from contact {count} on the law loses no energy"
                 return outcome, False, (f"{outcome}{self._waves(last)}",)
         height = format_si(self._found[-1].height, "length", 3)
@@ -263,7 +239,8 @@ class _Series:
         while event is None or event.name != "contact_ends":
             event = self._event(before)
             swings += event is not None and event.name == "reloading_begins"
-            if event is None or swings > (MOST_SWINGS if self._vibrates else 0):
+            # only a target that vibrates adds energy: on others the ball stays from the first swing on
+            if event is None or swings > (1000 if self._vibrates else 0):
                 return Bounce(touch.time, before, 0.0, 0.0, component.largest_force, None, None)
             if event.name == "maximum_indentation":
                 self._deepest = max(self._deepest, event.indentation)

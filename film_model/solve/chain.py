@@ -27,12 +27,6 @@ from film_model.solve.accuracy import mesh_of
 from film_model.solve.core_slopes import AHEAD, COARSE, FINE, CoreSlopes, Gradient, Stencil
 from film_model.solve.slopes import MOST_SEGMENTS, SMOOTH, STALLED, STEP, Meshes, Pairs, Slopes, differences, summaries
 
-TOGETHER = 16384
-"""Impacts of stencils that are in memory at a time: few, so that their columns stay in the processor's cache."""
-
-ROUGH = 1e-6
-"""From this error on, differences of second order serve."""
-
 
 class _How(NamedTuple):
     """How derivatives are computed. rough: of the coarser of the first two meshes. trial: segments per stage of the
@@ -55,10 +49,12 @@ def slopes(pairs: Pairs, solver: Solver, target: float) -> Slopes:
 
 def chain_rule(pairs: Pairs, solver: Solver, target: float, found: Slopes) -> None:
     """Set the derivatives of impacts that are smooth and share their curve with those beside them."""
-    ways = (FINE, FINE, TRIAL_SEGMENTS) if target < ROUGH else (COARSE, AHEAD, TRIAL_SEGMENTS // 2)
+    # from 1e-6 on, differences of second order serve
+    ways = (FINE, FINE, TRIAL_SEGMENTS) if target < 1e-6 else (COARSE, AHEAD, TRIAL_SEGMENTS // 2)
     how = _How(solver, target, *ways)
     numbers = len(pairs.paths)
-    together = numbers * max(TOGETHER // (1 + numbers * how.stencil.offsets.size), 1)
+    # few enough impacts of stencils that their columns stay in the processor's cache
+    together = numbers * max(16384 // (1 + numbers * how.stencil.offsets.size), 1)
     for first in range(0, pairs.which.size, together):
         places = np.arange(first, min(first + together, pairs.which.size))
         try:

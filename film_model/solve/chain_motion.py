@@ -31,12 +31,6 @@ Array = NDArray[np.float64]
 FINEST = 1e-14
 """Tolerance of a step, over approach velocity and indentation: elastic chains then keep energy to 1e-12."""
 
-COARSER, CLOSER = 0.01, 1e-3
-"""Tolerance of the run that is compared with, over the accuracy asked for; of each later one over the one before."""
-
-TOUCHING = 1e-9
-"""Time in units of the run below which a contact begins at the start."""
-
 ENDED = "contact is open everywhere, and no neighbours approach"
 """Outcome of a chain that is not followed for a duration."""
 
@@ -67,17 +61,6 @@ class EnergyBalance(NamedTuple):
     weight: float
     absorbed: float
     error: float
-
-
-class _Column:
-    """A value of all bodies or contacts as an array of quantities."""
-
-    def __init__(self, name: str) -> None:
-        self.name = name
-        self.dimension, self.__doc__ = (BODIES | CONTACTS)[name]
-
-    def __get__(self, instance: ChainMotion | None, owner: type) -> Any:
-        return self if instance is None else units.quantity(instance.values[self.name], self.dimension)
 
 
 @dataclass(frozen=True)
@@ -170,8 +153,7 @@ class ChainMotion:
         }
 
 
-for _name in (*BODIES, *CONTACTS):
-    setattr(ChainMotion, _name, _Column(_name))
+units.add_quantities(ChainMotion, BODIES | CONTACTS, lambda motion, name: motion.values[name])
 
 
 class _Scales(NamedTuple):
@@ -232,10 +214,10 @@ def simulate_chain_quietly(chain: Chain) -> ChainMotion:
     contacts = contacts_of(chain)
     scales = _Scales.of(chain, contacts)
     run = _runner(chain, contacts, scales)
-    fine, tolerance = run(FINEST), max(chain.accuracy * COARSER, FINEST * 10.0)
+    fine, tolerance = run(FINEST), max(chain.accuracy * 0.01, FINEST * 10.0)
     _raise_failure(chain, fine, contacts, scales)
     while (estimated := _difference(run(tolerance), fine)) > chain.accuracy and tolerance > FINEST * 10.0:
-        tolerance = max(tolerance * CLOSER, FINEST * 10.0)
+        tolerance = max(tolerance * 1e-3, FINEST * 10.0)
     values = _values(chain, fine, scales)
     said = _warnings(chain, contacts, values, estimated)
     end = fine.time * scales.time
@@ -337,7 +319,7 @@ def _values(chain: Chain, run: chaining.Run, scales: _Scales) -> dict[str, Array
         "largest_force": found["largest_force"] * scales.force,
         "time_of_largest_force": found["time_of_largest_force"] * scales.time,
         "largest_indentation": found["largest_indentation"] * scales.length,
-        "contact_begins": np.where(found["begins"] < TOUCHING, 0.0, found["begins"]) * scales.time,
+        "contact_begins": np.where(found["begins"] < 1e-9, 0.0, found["begins"]) * scales.time,
         "contact_ends": np.where(found["touching"] == 0, found["ends"], math.nan) * scales.time,
         "energy_absorbed": found["work"] * scales.energy,
     }

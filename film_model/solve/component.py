@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import warnings as python_warnings
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -15,18 +16,13 @@ from film_model.base.units import format_si
 from film_model.core import modal, native
 from film_model.effects.choose import Choice, choose
 from film_model.oblique.stepped import Pushes, SavedSliding, SlidingOutputs, SteppedFriction
-from film_model.scene import DEFAULT_ACCURACY, Scene
+from film_model.scene import DEFAULT_ACCURACY, Scene, Solver
 from film_model.solve.accuracy import Linearisation, mesh_for, mesh_of, raise_failure, solver_for
 from film_model.solve.history import Event, stage_name
 from film_model.solve.motions import OnLines, OnMemory, OnModes, modes_for
 from film_model.solve.relaxed import tolerance_for
 from film_model.solve.sensed import Sensed
 from film_model.solve.vibration import unused_options
-
-DEFAULT_SEGMENTS = (24, 48)  # used if the impactor starts at rest: there is no impact on which to try meshes
-
-MOST_EVENTS, MOST_WITH_FRICTION = 100_000, 4_000
-"""A step with more events raises an error after 1 to 6 s: a ball under a load may bounce for ever."""
 
 
 class Outputs(NamedTuple):
@@ -112,48 +108,28 @@ class ImpactComponent:
         self.choice: Choice = choose(scene)
         self.problem = self.choice.problem
         self._gap = _gap(initial_gap)
-        self.modes = 0
+        self.modes, self.segments = 0, (0, 0)
+        pair, most = (segments, max(segments)) if isinstance(segments, tuple) else (None, segments)
+        solver = solver_for(scene.solver, accuracy, most, linearisation)
         if self.problem.vibrates:
-            self.segments = (0, 0)
-            self._motion: OnLines | OnModes | OnMemory = self._on_modes(accuracy, segments, linearisation)
+            self._motion: OnLines | OnModes | OnMemory = self._on_modes(solver)
         elif self.problem.relaxation is not None:
-            self.segments = (0, 0)
-            self._motion = self._on_memory(accuracy, segments, linearisation)
+            self._motion = self._on_memory(solver)
         else:
-            self._motion = OnLines(self.problem, self._mesh(accuracy, segments, linearisation))
+            self.segments, mesh = (pair, mesh_of(solver, pair)) if pair else mesh_for(self.problem, solver)
+            self._motion = OnLines(self.problem, mesh)
         self._friction = None if scene.contact.friction is None else SteppedFriction(self.problem)
         self.reset()
 
-    def _mesh(
-        self, accuracy: float | None, segments: int | tuple[int, int] | None, linearisation: Linearisation | None
-    ) -> native.Mesh:
-        if isinstance(segments, tuple):
-            self.segments = segments
-            return mesh_of(solver_for(self.scene.solver, accuracy, max(segments), linearisation), segments)
-        self.segments, mesh = mesh_for(
-            self.scene, self.problem, accuracy, segments, linearisation, fallback=DEFAULT_SEGMENTS
-        )
-        return mesh
-
-    def _on_modes(
-        self, accuracy: float | None, segments: int | tuple[int, int] | None, linearisation: Linearisation | None
-    ) -> OnModes:
-        most = max(segments) if isinstance(segments, tuple) else segments
-        solver = solver_for(self.scene.solver, accuracy, most, linearisation)
-        asked, warnings = solver.accuracy or DEFAULT_ACCURACY, unused_options(solver)
-        found = modes_for(self.problem, asked, warnings)
-        for sentence in warnings:
-            python_warnings.warn(sentence, ImpactWarning, stacklevel=4)
+    def _on_modes(self, solver: Solver) -> OnModes:
+        warnings = unused_options(solver)
+        found = modes_for(self.problem, solver.accuracy or DEFAULT_ACCURACY, warnings)
+        _warn(warnings)
         self.modes = found.modes
         return OnModes(self.problem, found)
 
-    def _on_memory(
-        self, accuracy: float | None, segments: int | tuple[int, int] | None, linearisation: Linearisation | None
-    ) -> OnMemory:
-        most = max(segments) if isinstance(segments, tuple) else segments
-        solver = solver_for(self.scene.solver, accuracy, most, linearisation)
-        for sentence in unused_options(solver, "the contact of viscoelastic bodies is solved"):
-            python_warnings.warn(sentence, ImpactWarning, stacklevel=4)
+    def _on_memory(self, solver: Solver) -> OnMemory:
+        _warn(unused_options(solver, "the contact of viscoelastic bodies is solved"))
         return OnMemory(self.problem, tolerance_for(self.problem, solver.accuracy or DEFAULT_ACCURACY))
 
     if TYPE_CHECKING:
@@ -300,7 +276,8 @@ class ImpactComponent:
             motion.set_input(load, -change, -support / scales.velocity)
             self._load, self._support_velocity = load, support
         events, begun = list[Event](), list[tuple[float, str]]()
-        most = MOST_EVENTS if self._friction is None else MOST_WITH_FRICTION
+        # 1 to 6 s: a ball under a load may bounce for ever
+        most = 100_000 if self._friction is None else 4_000
         motion.renew_work()
         if self._friction is not None:
             self._friction.core.steps = 0
@@ -351,6 +328,11 @@ class ImpactComponent:
         stage = stage_name(self.problem, contact.branch)
         motion = (o.indentation, o.relative_velocity, o.contact_force, o.impactor_displacement, o.impactor_velocity)
         return Event(native.EVENTS[contact.event], o.time, stage, *motion, o.target_displacement, o.target_velocity)
+
+
+def _warn(sentences: Iterable[str]) -> None:
+    for sentence in sentences:
+        python_warnings.warn(sentence, ImpactWarning, stacklevel=4)
 
 
 def _gap(value: Any) -> float:

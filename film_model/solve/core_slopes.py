@@ -17,12 +17,6 @@ from film_model.problem.problem import Problem
 from film_model.problem.varied import fitted_by
 from film_model.solve.slopes import KINK
 
-MOVES = 1e-9
-"""Relative change of a number of the core, over that of a number of the scene, below which it is rounding."""
-
-MOST_AXES = 8
-"""Numbers of the core, up to which they are varied one by one."""
-
 _START: tuple[str, ...] = native.START_DTYPE.names or ()
 _STOP, _LIMIT, _VALUES = _START.index("stop_velocity"), _START.index("time_limit"), len(native.SUMMARY)
 _DEPTH = native.SUMMARY.index("maximum_indentation")
@@ -109,9 +103,9 @@ class CoreSlopes:
             change, size = numbers - numbers[:, :1], abs(numbers[:, 0])
         change[..., _LIMIT] = 0.0
         size[:, _STOP] = size[:, 0]  # it may be 0, and is a velocity as the first
-        moves = (abs(change).max(axis=1) > MOVES * step * size).any(axis=0)
+        moves = (abs(change).max(axis=1) > 1e-9 * step * size).any(axis=0)  # less is rounding
         self.axes = np.flatnonzero(moves)
-        if self.axes.size > MOST_AXES:
+        if self.axes.size > 8:  # up to 8 numbers of the core are varied one by one
             raise ValueError("differences of whole impacts need fewer marches")
         self._change = np.ascontiguousarray(change[..., moves].transpose(2, 0, 1))
         self._size, self._numbers = size[:, moves], numbers[:, 0]

@@ -29,13 +29,6 @@ from film_model.solve.vibration import Vibration
 
 ALONG = " along the surface"
 
-POOR = 1e-6
-"""Estimated relative error from which a warning names the derivative."""
-
-NEAR = 0.03
-"""Change by neglecting an effect, relative to the tolerance less 1, up to which another decision is near: several times
-the reach of a stencil. Needed by tests/test_derivatives.py."""
-
 
 RESULTS = {**SUMMARY, **OBLIQUE}
 """What is differentiated, with dimension and meaning; results along the surface of impacts with friction only."""
@@ -283,9 +276,10 @@ def _kinks_along(entries: Sequence[Entry], found: Slopes) -> Iterable[str]:
 
 
 def _poor(entries: Sequence[Entry], found: Slopes, which: str = "") -> Iterable[str]:
+    poor = 1e-6
     for k, entry in enumerate(entries):
-        worst = max(found.errors[k].tolist(), key=lambda error: error if error > POOR else 0.0)
-        if worst > POOR:
+        worst = max(found.errors[k].tolist(), key=lambda error: error if error > poor else 0.0)
+        if worst > poor:
             yield f"derivatives{which} by {entry.path}: estimated relative error up to {worst:.1e}"
 
 
@@ -295,7 +289,8 @@ def _near_thresholds(choice: Choice) -> Iterable[str]:
     for effect in choice.effects:
         if effect.change is None or getattr(scene.effects, effect.name, False) != "auto":
             continue
-        if abs(effect.change / tolerance - 1.0) < NEAR:
+        # another decision is near: within several times the reach of a stencil (tests/test_derivatives.py)
+        if abs(effect.change / tolerance - 1.0) < 0.03:
             yield (
                 f"{effect.name.replace('_', ' ')} is {effect.state}, and decided otherwise for slightly other numbers: "
                 f"neglecting it changes a result by {100 * effect.change:.4g} %, the threshold is {100 * tolerance:g} %"

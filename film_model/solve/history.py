@@ -126,20 +126,6 @@ class Accuracy:
     modes: int = 0
 
 
-class _Quantity:
-    """A summary value as a pint quantity, or None where it does not exist."""
-
-    def __init__(self, name: str) -> None:
-        self.name = name
-        self.dimension, self.__doc__ = SUMMARY[name]
-
-    def __get__(self, instance: History | None, owner: type) -> Any:
-        if instance is None:
-            return self
-        value = instance.summary[self.name]
-        return None if value is None else units.quantity(value, self.dimension)
-
-
 @dataclass(frozen=True)
 class History:
     """One impact from first touch to separation.
@@ -375,8 +361,7 @@ class History:
         return json.dumps(self.to_dict(), indent=2, ensure_ascii=False, allow_nan=False)
 
 
-for _name in SUMMARY:
-    setattr(History, _name, _Quantity(_name))
+units.add_quantities(History, SUMMARY, lambda history, name: history.summary[name])
 
 
 def stage_names(problem: Problem) -> list[str]:

@@ -23,43 +23,8 @@ FIRST_SEGMENTS = 8
 """Segments per stage of the first trial: few, because every segment costs time in all impacts. Lanes need three on the
 mesh of half as many, and meshes of three agree by chance (tests/test_sweep_accuracy.py)."""
 
-SAMPLE_LEAST, SAMPLE_SHARE = 64, 256
-"""The shared mesh is found from at least this number and this fraction (1/256) of the impacts."""
-
-TABLES = 2e-14
-"""Relative error of the core's tables of whole ways (tests/test_batch.py), which no mesh changes."""
-
-EASY = 0.9
-"""Fraction of the sample that meets the accuracy on the shared mesh; refining the others costs less than finer lines
-for all."""
-
-SAME = 1e-6
-"""Two meshes of up to `FIRST_SEGMENTS` that agree to this, under a load or of a law that pulls, are no evidence:
-they agree by chance, or an impactor that turns back within the first lines of both has the same lines on both. Needed
-by tests/test_one_and_many.py."""
-
-LOADED = 0.05
-"""Under a load two meshes may agree by chance, where the sign of their difference changes: an estimate is not less than
-this fraction of the accuracy. Needed by tests/test_sweep_accuracy.py."""
-
-DAMPED_LANES = 512
-"""With more segments damped impacts are marched one by one. Contacts that creep take lanes up to 80 times as long on
-each line, for all impacts of a block; so few need as many segments that lanes bring nothing. Cost only:
-tests/hostile/scenes/creeping_500131.toml."""
-
-LINE_ERROR = 0.2
-"""Bound on the relative error of times on a fixed target with n lines a leg, times n^4, without damping
-(docs/method.md, section 4)."""
-
-DOUBTED = 0.05
-"""Estimates above this fraction of the accuracy are from three meshes where lines decide. Two agree by chance in about
-one of 50,000 impacts, and in few of these to a small fraction of the error. tests/hostile/scenes/chance_6961.toml."""
-
-TABLED = 1.5
-"""The exponent of forces and branches that the core has tables and polynomials for (docs/method.md, section 10)."""
-
-STALLED, SMALL = 0.7, 1e-9
-"""Refinement ends if an estimate below `SMALL` falls by less than this factor: the rest is rounding."""
+SMALL = 1e-9
+"""Refinement ends if an estimate below this stalls: the rest is rounding."""
 
 
 @dataclass(frozen=True)
@@ -108,7 +73,8 @@ def recorded_segments(problem: Problem, solver: Solver, segments: NDArray[np.int
     if solver.accuracy is None or solver.linearisation == "chord":
         return segments
     fixed = (problem.gamma == 0.0) & (problem.damping == 0.0)
-    least = min(math.ceil((LINE_ERROR / solver.accuracy) ** 0.25), MOST_SEGMENTS)
+    # relative error of times on a fixed target, n lines a leg, without damping: < 0.2/n⁴ (docs/method.md, section 4)
+    least = min(math.ceil((0.2 / solver.accuracy) ** 0.25), MOST_SEGMENTS)
     found = np.where(fixed[:, None], np.maximum(segments, problem.curve.segments(least)), segments)
     others = np.flatnonzero(~fixed)
     if others.size:
@@ -137,7 +103,9 @@ def _doubted(problem: Problem, solver: Solver, made: Marched, left: Index, n: in
     """The places to refine, with those where the meshes of n and n/2 segments agreed by chance: a third mesh of 3n/4
     judges lines on moving targets that no table or polynomial replaces, and the larger estimate counts."""
     assert solver.accuracy is not None
-    doubtful = (problem.gamma > 0.0) & (made.estimated > DOUBTED * solver.accuracy)
+    # Near the accuracy estimates are from three meshes where lines decide: two agree by chance in about one of 50,000
+    # impacts, and in few of these to a small fraction of the error (tests/hostile/scenes/chance_6961.toml).
+    doubtful = (problem.gamma > 0.0) & (made.estimated > 0.05 * solver.accuracy)
     doubtful[left] = False
     if _by_powers(problem) or not any_of(doubtful):
         return left
@@ -153,9 +121,10 @@ def _doubted(problem: Problem, solver: Solver, made: Marched, left: Index, n: in
 
 def _by_powers(problem: Problem) -> bool:
     """Whether tables or Taylor polynomials replace the lines of all stages and branches on moving targets."""
+    tabled = 1.5  # of forces and branches that the core has tables and polynomials for (docs/method.md, section 10)
     forces = [stage.force for stage in problem.curve.stages]
-    powers = all(isinstance(f, Power) and (f.exponent == TABLED or f.coefficient == 0.0) for f in forces)
-    return powers and problem.curve.steepest in (0.0, 1.0, TABLED)  # lines of straight branches are exact
+    powers = all(isinstance(f, Power) and (f.exponent == tabled or f.coefficient == 0.0) for f in forces)
+    return powers and problem.curve.steepest in (0.0, 1.0, tabled)  # lines of straight branches are exact
 
 
 def _refine(part: Problem, solver: Solver, made: Marched, places: Index, n: int) -> Index:
@@ -170,7 +139,7 @@ def _refine(part: Problem, solver: Solver, made: Marched, places: Index, n: int)
     wrong = _estimate(part, solver, made, places, n, before, (status, core))
     if any_of(wrong):
         now = made.estimated[places]
-        wrong &= ~((now > STALLED * last) & (now < SMALL))
+        wrong &= ~((now > 0.7 * last) & (now < SMALL))
     return places[wrong]
 
 
@@ -193,11 +162,16 @@ def _estimate(
     made.apart[places] = apart
     loaded = problem.load > 0.0
     if n <= FIRST_SEGMENTS and (problem.curve.pulls or problem.loaded):
-        found[(apart <= SAME) & (loaded | problem.curve.pulls)] = 1.0
+        # Meshes that agree to 1e-6 under a load or of a law that pulls are no evidence: they agree by chance, or an
+        # impactor that turns back within the first lines of both has the same lines on both
+        # (tests/test_one_and_many.py).
+        found[(apart <= 1e-6) & (loaded | problem.curve.pulls)] = 1.0
     if problem.loaded and problem.damps:  # by lines, of which the first ones stop the impactor
         found[loaded & (n < first_segments(problem.damping, FIRST_SEGMENTS))] = 1.0
     if problem.loaded:
-        found = np.where(loaded, np.maximum(found, LOADED * solver.accuracy), found)
+        # Under a load two meshes may agree by chance, where their difference changes sign
+        # (tests/test_sweep_accuracy.py).
+        found = np.where(loaded, np.maximum(found, 0.05 * solver.accuracy), found)
     estimated = np.minimum(found + rounds, 1.0)
     estimated[failed] = math.nan
     made.estimated[places] = estimated
@@ -207,7 +181,8 @@ def _estimate(
 
 def _floor(problem: Problem, core: Columns) -> NDArray[np.float64]:
     """Error that remains on any mesh: rounding, and on targets that move the tables of whole ways."""
-    return rounding(problem, core) + TABLES * (problem.gamma > 0.0)
+    # error of the core's tables of whole ways (tests/test_batch.py), which no mesh changes
+    return rounding(problem, core) + 2e-14 * (problem.gamma > 0.0)
 
 
 def _with_segments(problem: Problem, solver: Solver, n: int) -> Marched:
@@ -221,19 +196,21 @@ def _with_segments(problem: Problem, solver: Solver, n: int) -> Marched:
 
 def _shared_segments(problem: Problem, solver: Solver) -> int:
     """Segments per stage with which `EASY` of a sample meet the accuracy."""
+    sample_least = 64  # and 1/256 of the impacts
     assert solver.accuracy is not None
     count = problem.approach.size
     n = FIRST_SEGMENTS
-    if count <= SAMPLE_LEAST:
+    if count <= sample_least:
         return n
-    spread = np.linspace(0, count - 1, max(SAMPLE_LEAST, count // SAMPLE_SHARE)).astype(np.intp)
+    spread = np.linspace(0, count - 1, max(sample_least, count // 256)).astype(np.intp)
     sample = problem.part(spread)
     while n < MOST_SEGMENTS:
         (status, coarse), (other, fine) = (_march(sample, solver, k) for k in (_half(n, solver), n))
         off = difference(sample, coarse, fine)
         mesh = mesh_of(solver, sample.curve.segments(n))
         bound = bound_fine(mesh, sample.start, coarse.table, fine.table, off, np.zeros_like(off))
-        typical = float(np.quantile(np.where((status >= 0) & (other >= 0), bound, 0.0), EASY))
+        # refining the others costs less than finer lines for all
+        typical = float(np.quantile(np.where((status >= 0) & (other >= 0), bound, 0.0), 0.9))
         if typical <= solver.accuracy:
             break
         # the difference decreases with about the fourth power of the segments
@@ -248,7 +225,9 @@ def _half(n: int, solver: Solver) -> int:
 
 
 def _march(problem: Problem, solver: Solver, n: int) -> tuple[NDArray[np.int32], Columns]:
-    if problem.law.damped and n > DAMPED_LANES:
+    # Contacts that creep take lanes up to 80 times as long on each line, for all impacts of a block; so few need as
+    # many segments that lanes bring nothing (tests/hostile/scenes/creeping_500131.toml).
+    if problem.law.damped and n > 512:
         return _lines(problem, solver, n)
     return problem.march(mesh_of(solver, problem.curve.segments(n)))
 

@@ -25,16 +25,6 @@ from film_model.scene.rolling import sliding_of
 from film_model.solve.accuracy import mesh_of
 from film_model.solve.many_meshes import recorded_segments
 
-MARGIN = 10.0
-"""Least accuracy over the error of coarse steps and the table of friction where they serve."""
-
-FINER = 2
-"""Segments of the recorded lines over those with which their ends meet the accuracy, as the force between is less
-exact: up to 1e-3 of a damped one (tests/test_friction_estimate.py)."""
-
-AT_ONCE = 64
-"""Impacts whose motion is sampled at a time, which a processor's cache holds."""
-
 
 class Normal(NamedTuple):
     """Normal motions. status: the core's. segments: of the march. rebound: m/s. duration: of contact, s. estimated:
@@ -55,7 +45,7 @@ class Normal(NamedTuple):
 def coarseness(solver: Solver) -> int:
     """How coarse the exact solution may be: EXACT, COARSE or QUICK."""
     accuracy = solver.accuracy or DEFAULT_ACCURACY
-    return max(level for level in (EXACT, COARSE, QUICK) if accuracy >= MARGIN * ERRORS[level])
+    return max(level for level in (EXACT, COARSE, QUICK) if accuracy >= 10.0 * ERRORS[level])
 
 
 def by_springs(problem: Problem, normal: Normal, solver: Solver) -> Iterator[tuple[Index, dict[str, Array], Any, Any]]:
@@ -65,11 +55,12 @@ def by_springs(problem: Problem, normal: Normal, solver: Solver) -> Iterator[tup
     solution is not coarse there are as many as possible from the start, for results that are smooth over the impacts.
     Impacts without a record are left out.
     """
+    at_once = 64  # impacts whose motion a processor's cache holds
     accuracy = solver.accuracy or DEFAULT_ACCURACY
     levels = springs.LEVELS if coarseness(solver) else springs.LEVELS[-1:]
     tolerance = accuracy if problem.curve.reversible else max(accuracy, springs.MODELLED)
-    for begin in range(0, normal.status.size, AT_ONCE):
-        places = np.arange(begin, min(begin + AT_ONCE, normal.status.size))
+    for begin in range(0, normal.status.size, at_once):
+        places = np.arange(begin, min(begin + at_once, normal.status.size))
         part, motion = problem.part(places), normal.of(places)
         found = _followed(_Motions(part, motion.segments, motion.duration, solver), motion.rebound, tolerance, levels)
         known, summary, regime, error = found
@@ -93,7 +84,9 @@ class _Motions:
         scales = problem.scales.part((slice(None), None))
         ahead, values = times / scales.time, np.full((5, *times.shape), np.nan)
         own, curves = recorded_segments(problem, self.solver, self.segments[places]), list(_curves(problem))
-        own = np.minimum(FINER * own, MOST_SEGMENTS)
+        # twice the segments, as the force between their ends is less exact: up to 1e-3 of a damped one
+        # (tests/test_friction_estimate.py)
+        own = np.minimum(2 * own, MOST_SEGMENTS)
         for of, curve in curves:
             for counts in sorted(set(map(tuple, own[of].tolist()))):
                 alike, mesh = of[(own[of] == counts).all(axis=1)], mesh_of(self.solver, counts)

@@ -35,15 +35,12 @@ factor `STALLED`: the rest is rounding."""
 MESH_FACTOR = {"work-preserving": (1.6, 0.5), "chord": (2.4, 0.6)}
 """Bounds on the error of a derivative on n segments over the difference to 2n, and of 2n over the same."""
 
-FIRST_SEGMENTS, LEAST_SEGMENTS, MOST_SEGMENTS = 72, 4, 3072
+MOST_SEGMENTS = 3072
 """Segments per stage of the coarser of the first two meshes, for `TARGET` and at least; and at most."""
 
 KINK = 1e-7
 """Fourth difference of a stencil over the value: h⁴ f⁽⁴⁾ of a smooth value, and up to 2 h times the jump of its slope
 at a kink. Needed by tests/test_derivatives.py."""
-
-TOGETHER = 8192
-"""Stencils that are marched at a time, which bounds the memory."""
 
 SMOOTH, NO_DERIVATIVE = 0, 2
 """Sides of a derivative; 1 and −1 are the one-sided ones towards larger and smaller values."""
@@ -152,11 +149,12 @@ def differences(pairs: Pairs, solver: Solver, target: float, found: Slopes) -> N
 
     target: estimated error up to which meshes are refined.
     """
+    together = 8192  # stencils at a time, which bounds the memory
     left = np.flatnonzero(found.side == NO_DERIVATIVE)
     for side, stencil in STENCILS.items() if left.size else ():
         tried = left[pairs.part(left).fits(stencil.offsets)]
-        for first in range(0, tried.size, TOGETHER):
-            places = tried[first : first + TOGETHER]
+        for first in range(0, tried.size, together):
+            places = tried[first : first + together]
             _set(found, places, _Marches(pairs.part(places), solver, stencil, target), side)
         left = left[found.side[left] == NO_DERIVATIVE]
 
@@ -177,8 +175,8 @@ class Meshes(NamedTuple):
         if solver.segments is not None:
             return cls((2 * solver.segments, solver.segments), of_coarse, math.inf)
         damping = max((float(np.max(problem.damping)) for problem in problems), default=0.0)
-        wanted = math.ceil(FIRST_SEGMENTS * (TARGET / target) ** 0.25)
-        n = int(first_segments(damping, max(wanted, LEAST_SEGMENTS)))
+        wanted = math.ceil(72 * (TARGET / target) ** 0.25)  # 72 segments for `TARGET`
+        n = int(first_segments(damping, max(wanted, 4)))
         return cls((n, 2 * n), of_fine, target)
 
 

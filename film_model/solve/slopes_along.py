@@ -21,17 +21,11 @@ from film_model.solve.many_meshes import march_many
 from film_model.solve.many_springs import Normal
 from film_model.solve.slopes import NO_DERIVATIVE, STENCILS, STEP, Pairs, Slopes
 
-ACCURACY = 1e-8
-"""Of the impacts: below that from which a table of friction and fewer springs serve."""
-
 WIDER = 4.0
 """Steps over `STEP`. The sliding velocity is exact to 1e-10 of that before, which differences divide by the step."""
 
 REACH = 200.0 * WIDER * STEP
 """Of the central stencil and that of twice the width, %, as a warning says it."""
-
-FACTOR = 2.0
-"""Estimated error over the difference of both widths: for noise of impacts by springs. Tested against closed forms."""
 
 
 def slopes_along(pairs: Pairs) -> Slopes:
@@ -59,13 +53,15 @@ def _set(found: Slopes, places: Index, pairs: Pairs, side: int) -> None:
     step = WIDER * pairs.step
     slope, wide = (np.einsum("s,nsp->pn", weights, values[:, k]) / (step * (k + 1.0))[:, None] for k in (0, 1))
     own = values[:, 0, base].T
-    found.put(places[alike], slope[alike], (wide - slope)[alike], own[alike], pairs.value[alike], FACTOR)
+    # estimated error: twice the difference of both widths, for noise of impacts by springs
+    found.put(places[alike], slope[alike], (wide - slope)[alike], own[alike], pairs.value[alike], 2.0)
     found.side[places[alike]] = side
 
 
 def _impacts(scene: Scene, columns: Mapping[str, Array]) -> ManyOblique:
     """The tangential parts of impacts; none of those on targets that vibrate."""
-    count, solver = len(next(iter(columns.values()))), Solver(ACCURACY)
+    # below the accuracies from which a table of friction and fewer springs serve
+    count, solver = len(next(iter(columns.values()))), Solver(1e-8)
     status, segments = np.full(count, native.BAD_NUMBER, np.int32), np.zeros((count, 2), np.int32)
     rebound, duration, estimated = np.full((3, count), np.nan)
     problems = problems_of(scene, columns, count, status)

@@ -28,23 +28,8 @@ Complex = NDArray[np.complex128]
 SAMPLES = 2**13
 """Even times of the force, between which it is taken as linear: where it is a half-sine, within 1e-7 of the impulse."""
 
-DROP = 10.0**-0.5
-"""Amplitude over that of frequency 0 at the bandwidth: −10 dB."""
-
-SCAN = 0.05
-"""Step of the frequency, times the time from first touch to the last event, at which the bandwidth is looked for."""
-
 FREQUENCIES, SHOWN = 1000, 2.0
 """Number of frequencies where none are given, and the largest over the bandwidth."""
-
-REACH = 30.0
-"""Highest natural frequency over the largest of a response, and over the first. At sensors the static part of higher
-ones is missing: on plates up to 0.6 % of the static deflection in the other half, 3 % at 1/60 of the side from the
-force."""
-
-REACH_OF_STRAIN = 120.0
-"""The same of targets with strain, whose sums converge slowly: at 1.5 times the thickness from the force strains and
-stresses are within 1.5 % of the largest below the frequency, with 30 within 3 %."""
 
 STRAINS = {
     "strain_x": "1/N",
@@ -54,9 +39,6 @@ STRAINS = {
     "shear_stress": "Pa/N",
 }
 """Responses of sensors with strain, at the face away from the impactor, with units."""
-
-TOGETHER = 1_000_000
-"""Modes times frequencies that are computed together, or ten frequencies: 16 bytes each."""
 
 
 @dataclass(frozen=True)
@@ -165,14 +147,17 @@ def responses(target: AbstractTarget, frequency: Array) -> Complex:
     omega = 2.0 * math.pi * frequency
     try:
         most = max(float(omega[-1]), lowest_frequency(target))
-        reach = REACH_OF_STRAIN if any(sensor.strain for sensor in target.sensors or ()) else REACH
+        # At sensors the static part of higher modes is missing: on plates up to 0.6 % of the static deflection in the
+        # other half, 3 % at 1/60 of the side from the force. Strains and stresses at 1.5 times the thickness from the
+        # force are within 1.5 % of the largest below the frequency; with 30 times within 3 %.
+        reach = 120.0 if any(sensor.strain for sensor in target.sensors or ()) else 30.0
         highest = computable(target, reach * most, 1.0 / most, most)
     except TooManyModes as error:
         raise SimulationError(f"up to {float(frequency[-1]):g} Hz: {error}") from None
     modes = target.modes(highest)
     factors = np.vstack([part for part in (modes.share, modes.factor, modes.strain) if part.size]).astype(np.complex128)
     found = np.empty((len(factors), omega.size), np.complex128)
-    step = max(TOGETHER // modes.frequency.size, 10)
+    step = max(1_000_000 // modes.frequency.size, 10)  # 16 MB at a time, or ten frequencies
     for at in (slice(first, first + step) for first in range(0, omega.size, step)):
         w = omega[at, None]
         with np.errstate(divide="ignore", invalid="ignore"):
@@ -191,9 +176,10 @@ def _bandwidth(times: Array, force: Array) -> float:
     impulse = float(abs(transform(times, force, np.zeros(1))[0]))
 
     def over(frequency: Any) -> Any:
-        return np.abs(transform(times, force, np.atleast_1d(frequency))) / impulse - DROP
+        return np.abs(transform(times, force, np.atleast_1d(frequency))) / impulse - (10.0**-0.5)  # −10 dB
 
-    step = SCAN / float(times[-1])
+    # steps in which the bandwidth is looked for, over 1/time from first touch to the last event
+    step = 0.05 / float(times[-1])
     for first in range(0, SAMPLES, 64):
         f = step * np.arange(first, first + 65)
         below = np.flatnonzero(over(f) < 0.0)

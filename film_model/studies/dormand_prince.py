@@ -30,10 +30,8 @@ E1, _, E3, E4, E5, E6, E7 = RK45.E.tolist()
 D1, D3, D4 = -12715105075 / 11282082432, 87487479700 / 32700410799, -10690763975 / 1880347072
 D5, D6, D7 = 701980252875 / 199316789632, -1453857185 / 822651844, 69997945 / 29380423
 
-EXPONENT, MEMORY, SAFETY = 0.2 - 0.75 * 0.04, 0.04, 0.9  # PI control as in DOPRI5
-FIRST_STEP = 0.6  # times tolerance^(1/5), in units of the impact; a rejected step costs more than a small first step
+EXPONENT, SAFETY = 0.2 - 0.75 * 0.04, 0.9  # PI control as in DOPRI5
 LOWEST_ERROR = math.log(1e-4)
-MOST_STEPS = 1_000_000
 GROWS, TURNS, OPENS, STOPS = 0, 1, 2, 3  # events: ξ reaches the end of a stage; ν − γf = 0; ξ = ξ_f; ν = 0
 
 
@@ -291,10 +289,10 @@ def _impact(parts, ends, loading, free, root):
         x, t, k, origin, f_max, per_span = 0.0, 0.0, 0, 0.0, 0.0, 0.0
         branch, stopped = False, gamma == 0.0
         target = math.sqrt(ends[0]) if root else ends[0]
-        h, last_error = FIRST_STEP * rtol**0.2 * size / v, LOWEST_ERROR
+        h, last_error = 0.6 * rtol**0.2 * size / v, LOWEST_ERROR  # a rejected step costs more than a small first step
         p, q, r = rates(branch, k, origin, f_max, per_span, gamma, x, v)
         evaluations = 0
-        for _ in range(MOST_STEPS):
+        for _ in range(1_000_000):
             x1, v1, t1, p1, q1, r1, ex, ev, et, dx, dv = step(
                 branch, k, origin, f_max, per_span, gamma, h, x, v, t, p, q, r
             )
@@ -304,7 +302,7 @@ def _impact(parts, ends, loading, free, root):
             if not square <= 1.0:
                 h *= max(0.2, SAFETY * math.exp(-EXPONENT * error)) if square < 1e300 else 0.1
                 continue
-            grown = h * min(5.0, SAFETY * math.exp(MEMORY * last_error - EXPONENT * error))
+            grown = h * min(5.0, SAFETY * math.exp(0.04 * last_error - EXPONENT * error))
             last_error = max(error, LOWEST_ERROR)
             kind = event(branch, stopped, x1, v1, p1, target)
             if kind < 0:

@@ -6,8 +6,6 @@ from typing import Any
 
 from film_model.studies.impact_ode import Impact, Passage, Run, follow, sizes
 
-MOST_STEPS = 200_000
-
 
 def small_increments(steps: int, impact: Impact) -> tuple[float, ...]:
     """The small-increment method: constant acceleration over each increment; about `steps` increments per contact."""
@@ -25,11 +23,12 @@ def _marched(steps: int, impact: Impact, newmark: bool) -> tuple[float, ...]:
     h = 3.0 * float(depth / nu) / steps
 
     def advance(run: Run, time: float, state: Any, loading: bool, watch_stop: bool) -> Passage:
+        most_steps = 200_000
         xi, v = state
         stop: float | None = None
         y0, f = impact.motion(run, xi, v)
         peak = 0.0
-        for _ in range(MOST_STEPS):
+        for _ in range(most_steps):
             xi1, v1 = (_newmark_step if newmark else _increment)(impact, run, h, xi, v, y0, f)
             y1, f1 = impact.motion(run, xi1, v1)
             a0, a1 = impact.load - f, impact.load - f1
@@ -54,7 +53,7 @@ def _marched(steps: int, impact: Impact, newmark: bool) -> tuple[float, ...]:
                 where = run.to if edge and not turned else _cubic(xi, xi1, y0, y1, s, h)
                 return Passage(time + at, (where, _cubic(v, v1, a0, a1, s, h)), turned, stop, peak)
             time, xi, v, y0, f = time + h, xi1, v1, y1, f1
-        raise RuntimeError(f"found no end of contact in {MOST_STEPS} steps")
+        raise RuntimeError(f"found no end of contact in {most_steps} steps")
 
     return follow(impact, advance)
 

@@ -16,9 +16,6 @@ from film_model.laws.law import AbstractLaw, Power, Stage, origin_of
 DIGITS = 30
 """Decimal digits of the arithmetic; results have about ten fewer correct digits."""
 
-_COLUMNS = 14  # of the extrapolation
-_SECANTS = 60
-
 
 def impact(
     law: AbstractLaw, mass: float, velocity: float, impedance: float = math.inf, load: float = 0.0
@@ -168,9 +165,10 @@ class _Extended:
 
     def step(self, state: Sequence[Any], h: Any) -> tuple[Sequence[Any], Any, int]:
         """One extrapolated step: state, error, and number of columns used."""
+        most = 14  # of the extrapolation
         rows: list[list[Sequence[Any]]] = []
         error = self.mp.inf
-        for column in range(_COLUMNS):
+        for column in range(most):
             n = 2 * (column + 1)
             small = h / n
             before, now = state, [s + small * r for s, r in zip(state, self.rates(state), strict=True)]
@@ -190,7 +188,7 @@ class _Extended:
                 error = max(abs(a - b) / (size + self.tolerance) for a, b, size in differences)
                 if error < self.tolerance:
                     return row[-1], error, column + 1
-        return rows[-1][-1], error, _COLUMNS
+        return rows[-1][-1], error, most
 
     def run(self, state: Sequence[Any], edge: Any, loading: bool) -> tuple[Sequence[Any], bool, Any]:
         """Integrate until y = edge, the indentation turns (in loading) or F falls to 0 (in unloading).
@@ -237,7 +235,7 @@ class _Extended:
         g_high = function(self.step(state, h)[0])
         if g_low == 0:
             return low
-        for k in range(_SECANTS):
+        for k in range(60):
             at = high - g_high * (high - low) / (g_high - g_low) if k % 3 else (low + high) / 2
             g = function(self.step(state, at)[0])
             if (g > 0) == (g_low > 0):

@@ -14,7 +14,6 @@ import numpy as np
 from film_model.studies.impact_ode import Impact, Passage, Run, follow, sizes
 
 LONGEST = 1e9  # in the law's time unit: later than the end of any contact
-MOST_STEPS = 200_000
 
 
 def solve_ivp(method: str, rtol: float, impact: Impact) -> tuple[float, ...]:
@@ -81,7 +80,7 @@ def cvode(method: str, rtol: float, impact: Impact) -> tuple[float, ...]:
         found_events.terminal = [True, loading, not loading][:count]
         found_events.direction = [1 if loading else -1, -1, -1][:count]
         solver = CVODE(
-            rates, rtol=rtol, atol=atol, eventsfn=events, num_events=count, method=method, max_num_steps=MOST_STEPS
+            rates, rtol=rtol, atol=atol, eventsfn=events, num_events=count, method=method, max_num_steps=200_000
         )
         found: Any = solver.solve(np.array([time, time + LONGEST]), np.array(state))
         if not found.success or found.t_events is None:

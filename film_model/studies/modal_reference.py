@@ -24,14 +24,6 @@ from film_model.solve.vibration import Moment
 
 Array = NDArray[np.float64]
 
-MOST_WORK = 500_000_000
-"""Limit of a run, about fifteen seconds: the sum over evaluations of the force of (number of modes + 400)."""
-
-MOST_EVENTS = 10_000
-
-_LATE = 1e-3  # events are late by 1e-10 times this fraction of the depth: above rounding, invisible in samples
-_NEVER = -1e300  # velocity of the core's event "impactor stops", disabled because it is detected here
-
 
 class System(NamedTuple):
     """Modes in the units of the march: ω_n², r_n, 2 ζ_n ω_n; the load p, and the force f(ξ) on the present branch."""
@@ -114,19 +106,21 @@ def integrate(
     that takes fixed steps of the length `step` (`film_model.studies.modal_newmark`). Raises SimulationError if it takes
     too long, ValueError for a damped law.
     """
+    most_events = 10_000
     from scipy.integrate import solve_ivp
 
     if problem.law.damped:
         raise ValueError("damped laws on vibrating targets are not integrated")
     curve, load, count = curve_of(problem.law, rest).native, problem.load, frequency.size
-    state = native.initial_state(curve, native.Start(problem.approach, 0.0, load, _NEVER, math.inf))
+    # the velocity disables the core's event "impactor stops", which is detected here
+    state = native.initial_state(curve, native.Start(problem.approach, 0.0, load, -1e300, math.inf))
     drag, w, u = 2.0 * ratio * frequency + np.zeros(count), slice(3, 3 + count), slice(3 + count, 3 + 2 * count)
     law, evaluations = native.force_of(curve, state), 0
 
     def force(xi: float) -> float:
         nonlocal evaluations
         evaluations += 1
-        if evaluations * (count + 400) > MOST_WORK:
+        if evaluations * (count + 400) > 500_000_000:  # about fifteen seconds
             raise SimulationError(
                 f"integrating {count} modes takes too long (after {len(events)} events): use a coarser accuracy, "
                 "which needs fewer modes, or target_inertia = false in [effects]"
@@ -151,7 +145,8 @@ def integrate(
     def indicator(k: int) -> Any:
         def watch(_: float, y: Array) -> float:
             set_state(y)
-            return native.indicators(curve, state, _LATE * problem.approach)[k]
+            # events are late by 1e-13 of the depth: above rounding, invisible in samples
+            return native.indicators(curve, state, 1e-3 * problem.approach)[k]
 
         event: Any = watch
         event.terminal, event.direction = True, -1.0
@@ -178,8 +173,8 @@ def integrate(
             if name in ("contact_begins", "contact_ends"):
                 values[0] = state.xi_free
             events.append(Moment(name, t, values.tolist(), branch))
-        if len(events) > MOST_EVENTS:
-            raise SimulationError(f"more than {MOST_EVENTS} events before the impactor leaves the target")
+        if len(events) > most_events:
+            raise SimulationError(f"more than {most_events} events before the impactor leaves the target")
         held, free = native.State.from_buffer_copy(state), state.branch == native.FREE
         until, waits = (limit, True) if not free else _wait(t, y, load, state.xi_free, frequency, limit)
         if free:

@@ -31,10 +31,6 @@ REFERENCE_VALUES = (
 """Names of the results: N, m, s, s, s, m, m/s (negative: away from the target), 1, J, J."""
 
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(20)
-_PANEL_TOLERANCE = 1e-15  # relative to the integral: a panel is halved until halving changes it by less
-_MOST_HALVINGS = 60
-_POLISHING_STEPS = 3  # Newton steps on an event; each squares its error, which starts near 1e-7
-_LONGEST = 1e6  # σ, in units of an impact: no contact lasts as long
 
 
 def quadrature(law: AbstractLaw, mass: float, velocity: float) -> dict[str, float]:
@@ -207,7 +203,7 @@ class _Solver:
             events.append(_event(watched[until], -1.0))
         if self.load > 0.0 and until != "turns":
             events.insert(0, _event(watched["turns"], 1.0))
-        solution = self._solve(state, _LONGEST, events)
+        solution = self._solve(state, 1e6, events)  # no contact lasts as long as σ = 1e6
         if solution.status != 1:
             raise RuntimeError(f"{self.method}: {solution.message}")
         if self.load > 0.0 and until != "turns" and solution.t_events[0].size > 0:
@@ -216,7 +212,8 @@ class _Solver:
         step, state = solution.t[-1] - solution.t[-2], solution.y[:, -2]
         if step > 0.0:
             state = self._solve(state, step, None).y[:, -1]
-        for _ in range(_POLISHING_STEPS):
+        # Newton steps on an event; each squares its error, which starts near 1e-7
+        for _ in range(3):
             rates = self.rates(0.0, state)
             # where the indentation turns, (ν − γf)' = ν' because y' = 0
             miss = state[0] - target if not stopped else rates[0] if until == "turns" else state[1]
@@ -321,13 +318,13 @@ def _integral(function: Callable[[Array], Array]) -> Array:
     left, width = np.zeros(1), 1.0
     whole = sums(left, width)
     total = np.zeros(whole.shape[1:])
-    for _ in range(_MOST_HALVINGS):
+    for _ in range(60):
         width *= 0.5
         halves = sums(np.stack([left, left + width], axis=1).ravel(), width)
         pairs = halves.reshape(left.size, 2, *halves.shape[1:])
         fine = pairs.sum(axis=1)
         size = np.abs(total + fine.sum(axis=0))
-        poor = (np.abs(fine - whole) > _PANEL_TOLERANCE * size).reshape(left.size, -1).any(axis=1)
+        poor = (np.abs(fine - whole) > 1e-15 * size).reshape(left.size, -1).any(axis=1)
         total = total + fine[~poor].sum(axis=0)
         left, whole = np.stack([left, left + width], axis=1)[poor].ravel(), pairs[poor].reshape(-1, *fine.shape[1:])
         if left.size == 0:

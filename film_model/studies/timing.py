@@ -10,11 +10,8 @@ import time
 from collections.abc import Callable
 from typing import NamedTuple
 
-SHORTEST, MOST_TIME, MOST_REPEATS = 2e-3, 0.15, 25
-"""Shortest timing loop [s], time for all loops of a setting [s], and largest number of loops."""
-
-LONG = 0.5
-"""Seconds of a call that is long enough to be timed once."""
+SHORTEST, MOST_TIME = 2e-3, 0.15
+"""Shortest timing loop [s], and time for all loops of a setting [s]."""
 
 PACKAGES = ("film-model", "numpy", "scipy", "numba", "scikit-sundae", "heyoka")
 
@@ -32,11 +29,11 @@ def timed(call: Callable[[], object]) -> Timing:
     A call of more than LONG is timed once, with no spread.
     """
     once = _seconds(call)
-    if once > LONG:
+    if once > 0.5:  # long enough to be timed once
         return Timing(once, 0.0)
     once = max(_seconds(call), 1e-9)
     calls = max(1, math.ceil(SHORTEST / once))
-    repeats = max(3, min(MOST_REPEATS, int(MOST_TIME / (calls * once))))
+    repeats = max(3, min(25, int(MOST_TIME / (calls * once))))
     found = [_seconds(call, calls) / calls for _ in range(repeats)]
     lower, _, upper = statistics.quantiles(found, n=4)
     return Timing(statistics.median(found), 0.5 * (upper - lower))

@@ -24,8 +24,6 @@ AUTO = "auto"
 TESTED = (AUTO, *(name for name, law in LAWS.items() if law.family == "yields"))
 """Laws that are compared: the default, and those of spheres that yield."""
 
-ACCURACY = 1e-5
-
 GROUPS: dict[str, Callable[[Row], bool]] = {
     "measured": lambda row: row.usable,
     "measured, used": lambda row: row.usable and not row.held_out,
@@ -195,7 +193,7 @@ def predict(law: str, row: Row, changes: Mapping[str, Any] | None = None) -> Pre
     """What a law gives for a row, with changes of the scene."""
     family = family_of(scene_of(AUTO, row))
     try:
-        history = simulate_quietly(scene_of(law, row).replace(changes or {}), accuracy=ACCURACY)
+        history = simulate_quietly(scene_of(law, row).replace(changes or {}), accuracy=1e-5)
     except (SimulationError, ValueError):
         return Prediction(row, math.nan, family, False)
     found = history.summary[row.quantity]

@@ -21,9 +21,6 @@ JOHNSON_COOK = {
 }
 """A, B [Pa], n and C of the three steels of Johnson & Cook 1983, Proc. 7th Int. Symp. on Ballistics, 541-547."""
 
-STEEL = 210e9
-"""Young's modulus, Pa."""
-
 _HARDNESS = re.compile(r'hardness = "([0-9.]+) HV"')
 _RATE = re.compile(r", strain_rate_coefficient = ([0-9.]+)")
 
@@ -105,7 +102,7 @@ class Row(NamedTuple):
         if rate is None:
             return self
         strength, coefficient, power, _ = next(steel for steel in JOHNSON_COOK.values() if steel[3] == float(rate[1]))
-        exponent = johnson_cook_exponent(strength, coefficient, power, STEEL)
+        exponent = johnson_cook_exponent(strength, coefficient, power, 210e9)  # Pa, of steel
         return self._replace(
             target=f"{self.target[: rate.end()]}, strain_hardening_exponent = {exponent:.6f}{self.target[rate.end() :]}"
         )

@@ -5,27 +5,15 @@ from __future__ import annotations
 import math
 from typing import Any
 
+from film_model.laws.damping import hunt_crossley_strength
 from film_model.translate.law import Engine, EngineLaw, Middle, Pair, Parameter, Values
 
 DISSIPATION = Parameter("dissipation", "s/m", "hunt_crossley_dissipation")
 
 
 def dissipation_for(restitution: float, velocity: float) -> float:
-    """Dissipation d of F = k δⁿ (1 + d δ') for a restitution at a velocity, for any n.
-
-    From m v v' = −kδⁿ (1 + d v): the integrals of v/(1 + d v) from 0 to V and from −eV to 0 are equal, so
-    d V (1 + e) = ln((1 + d V)/(1 − d e V)). Solved for dV by Newton's method.
-    """
-    e = restitution
-    if e >= 1.0:
-        return 0.0
-    x = 1.5 * (1.0 - e) / e if e > 0.5 else 0.999 / e
-    x = min(x, 0.999 / e)
-    for _ in range(60):
-        value = x * (1.0 + e) - math.log((1.0 + x) / (1.0 - e * x))
-        slope = (1.0 + e) - 1.0 / (1.0 + x) - e / (1.0 - e * x)
-        x = min(max(x - value / slope, 0.5 * x), 0.5 * (x + 1.0 / e))
-    return x / velocity
+    """Dissipation d of F = k δⁿ (1 + d δ') for a restitution at a velocity, for any n."""
+    return hunt_crossley_strength(restitution) / velocity
 
 
 def _point(pair: Pair, values: Values, depth: Any, rate: Any) -> Any:

@@ -24,29 +24,8 @@ from film_model.studies.tangential_models import MODELS, groups, theory
 from film_model.translate.law import Engine, EngineLaw, Middle, Pair, Parameter, Values
 from film_model.translate.march import march
 
-COUNT = 9
-"""Velocities of a range."""
-
 COMPARED = {"force": "maximum_force", "duration": "contact_duration", "restitution": "coefficient_of_restitution"}
 """What is compared, and its name in the summary of an impact."""
-
-POINTS = 25
-"""ψ₁ at which models of friction are compared, up to 4χ, beyond which all slide."""
-
-RIGID_RATIO = 0.3
-"""Poisson's ratio given to an engine if the scene has none; only the effective modulus matters."""
-
-LEAST_RESTITUTION = 0.05
-"""Slower rebounds are refused: near 0 an engine's law separates very late or not at all."""
-
-MOST_EVALUATIONS = 60
-"""Evaluations of a fit; it needs 5 to 30."""
-
-FINEST = 1e-7
-"""The fit ends when the sum of squares falls by less than this fraction in an iteration."""
-
-_STEP = 1e-4
-"""Relative step of the finite differences."""
 
 _SPAN = math.log(1e6)
 """A logarithmic parameter stays within this factor of its start."""
@@ -131,7 +110,7 @@ class Translation:
 
 
 def contact_for(
-    engine: Engine, scene: Scene, velocity: Sequence[Any] = (), *, law: str | None = None, count: int = COUNT
+    engine: Engine, scene: Scene, velocity: Sequence[Any] = (), *, law: str | None = None, count: int = 9
 ) -> list[Translation]:
     """The engine's laws, or one of them, fitted to the scene's impacts; the closest first.
 
@@ -166,6 +145,7 @@ def pair_of(scene: Scene, velocity: float, depth: float) -> Pair:
     if friction is not None:
         kappa = groups(scene).ratio
         ratio = (2.0 * kappa - 2.0) / (2.0 * kappa - 1.0)  # of alike bodies, κ = (2 − ν)/(2 (1 − ν))
+    # only the effective modulus matters to an engine
     return Pair(
         mass=scene.effective_mass,
         radius=scene.effective_radius,
@@ -173,7 +153,7 @@ def pair_of(scene: Scene, velocity: float, depth: float) -> Pair:
         ball_radius=scene.impactor.radius,
         target_mass=mass,
         target_radius=scene.target.radius,
-        poissons_ratio=RIGID_RATIO if ratio is None else ratio,
+        poissons_ratio=0.3 if ratio is None else ratio,
         velocity=velocity,
         depth=depth,
         friction=friction,
@@ -186,7 +166,7 @@ def _models(scene: Scene, springs: set[str]) -> dict[str, Tangential]:
     if scene.contact.friction is None or not springs:
         return {}
     chi = groups(scene).parameter
-    before = np.linspace(0.0, 4.0 * chi, POINTS + 1)[1:]
+    before = np.linspace(0.0, 4.0 * chi, 25 + 1)[1:]  # beyond 4χ all models slide
     exact, made = theory(scene, before), dict[str, Tangential]()
     for name in springs:
         off = MODELS[name](chi, before) - exact
@@ -217,6 +197,7 @@ def _velocities(scene: Scene, given: Sequence[Any], count: int) -> Array:
 
 def _impacts(scene: Scene, velocities: Array) -> ManyResult:
     """Our impacts, without weight: engines apply gravity themselves. Raises SimulationError."""
+    least_restitution = 0.05  # near 0 an engine's law separates very late or not at all
     light = scene_at(scene, float(velocities[0]))
     result = simulate_many(light, {"impactor.velocity": velocities + scene.target.velocity})
     for problem in result.problems:
@@ -229,10 +210,10 @@ def _impacts(scene: Scene, velocities: Array) -> ManyResult:
             "structure in the engine, or set boundary_reflections = false in [effects]"
         )
     restitution = result.summary["coefficient_of_restitution"]
-    bad = np.flatnonzero((status != 1) | ~(restitution >= LEAST_RESTITUTION))
+    bad = np.flatnonzero((status != 1) | ~(restitution >= least_restitution))
     if bad.size:
         first = int(bad[0])
-        reason = f"the coefficient of restitution is {restitution[first]:.2g}, below {LEAST_RESTITUTION}"
+        reason = f"the coefficient of restitution is {restitution[first]:.2g}, below {least_restitution}"
         if status[first] != 1:
             reason = STATUSES[int(status[first])].sentence
         raise SimulationError(f"at {velocities[first]:g} m/s: {reason}; all impacts must end in a rebound")
@@ -304,6 +285,7 @@ def _fitted(
     models: Mapping[str, Tangential],
 ) -> Translation:
     """The law with its parameters fitted."""
+    most_evaluations = 60  # it needs 5 to 30
     from scipy.optimize import least_squares
 
     scale = _Scale(law.parameters, law.start(pair, middle), middle.depth)
@@ -319,7 +301,8 @@ def _fitted(
 
     def jacobian(x: Array) -> Any:
         """Central differences, all parameters in one march; one-sided at a bound."""
-        up, down = np.minimum(x + _STEP, scale.high), np.maximum(x - _STEP, scale.low)
+        small = 1e-4
+        up, down = np.minimum(x + small, scale.high), np.maximum(x - small, scale.low)
         moved = np.array([np.where(np.arange(count) == i, end, x) for i in range(count) for end in (up, down)])
         rows = np.repeat(moved, len(velocities), axis=0).T
         found = errors(scale.values(rows), np.tile(velocities, 2 * count), 2 * count)
@@ -328,10 +311,10 @@ def _fitted(
     slopes: Any = jacobian
     bounds = scale.low, scale.high
     best: Any = least_squares(
-        residuals, scale.start, slopes, bounds, x_scale="jac", ftol=FINEST, max_nfev=MOST_EVALUATIONS
+        residuals, scale.start, slopes, bounds, x_scale="jac", ftol=1e-7, max_nfev=most_evaluations
     )
     if best.status == 0:
-        warnings = (*warnings, f"law {law.name}: the fit had not converged after {MOST_EVALUATIONS} evaluations")
+        warnings = (*warnings, f"law {law.name}: the fit had not converged after {most_evaluations} evaluations")
     values = {name: float(value) for name, value in scale.values(best.x).items()}
     impacts = march(law, pair, values, velocities)
     found = {name: getattr(impacts, name) for name in COMPARED}

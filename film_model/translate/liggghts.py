@@ -15,9 +15,6 @@ HOOKE_NOTES = (*NOTES, "without friction: the tangential stiffness of hooke is k
 HISTORY = {"tangential history": "mindlin"}
 """The model of friction and the spring that it is."""
 
-SOFTEST = 1e9
-"""Young's modulus [Pa] above which LIGGGHTS asks for `hard_particles yes`."""
-
 
 def _property(name: str, value: float, kind: str) -> str:
     return f"fix {name} all property/global {name} {kind} {value:.6g}"
@@ -40,7 +37,7 @@ def _paste_material(model: str, pair: Pair, values: Values) -> str:
         _property("poissonsRatio", pair.poissons_ratio, "peratomtype"),
         _property("coefficientRestitution", values["restitution"], "peratomtypepair 1"),
     ]
-    if values["youngs_modulus"] > SOFTEST:
+    if values["youngs_modulus"] > 1e9:  # LIGGGHTS asks for it above 1 GPa
         lines.insert(0, "hard_particles yes")
     if model == "hooke":
         lines.append(_property("characteristicVelocity", pair.velocity, "scalar"))

@@ -19,9 +19,6 @@ from film_model.translate.law import EngineLaw, Pair, Values
 STEPS = 64
 """Steps in the estimated contact time."""
 
-LONGEST = 6.0
-"""Contacts are followed for this many estimated contact times; one that has not ended then has restitution 0."""
-
 _GRADED = np.diff(np.linspace(0.0, 1.0, 13) ** 3)
 """Parts of the first step of the march."""
 
@@ -49,7 +46,8 @@ def march(law: EngineLaw, pair: Pair, values: Values, velocities: Array) -> Impa
         return law.force(pair, values, np.maximum(depth, 0.0), rate)
 
     clock = 3.0 * _elastic_depth(force, pair.mass, speed, pair.depth) / speed
-    steps = np.concatenate([_GRADED, np.ones(int(LONGEST * STEPS) - 1)]) / STEPS
+    # one that has not ended after six estimated contact times has restitution 0
+    steps = np.concatenate([_GRADED, np.ones(int(6.0 * STEPS) - 1)]) / STEPS
     depth, rate, time = np.zeros_like(speed), speed.copy(), np.zeros_like(speed)
     pull = force(depth, rate)
     rows = [(time, depth, rate, pull)]

@@ -21,9 +21,6 @@ from film_model.solve.accuracy import mesh_of, refine
 from film_model.studies import high_precision, quadrature
 from film_model.studies.hard_cases.case import ACCURACY, ALLOWED, STEPPED, Finding
 
-SLOWEST = 4.0
-"""Approximate Zener's λ beyond which extended precision takes more than a few seconds."""
-
 
 def problem_for(
     law: AbstractLaw, mass: float, velocity: float, impedance: float = math.inf, load: float = 0.0
@@ -87,7 +84,8 @@ def exact_summary(problem: Problem, velocity: float, impedance: float) -> native
     """
     law, mass, s = problem.law, problem.mass, problem.scales
     try:
-        if problem.gamma * problem.approach**0.2 > SLOWEST:
+        # Zener's λ, about: beyond, extended precision takes more than a few seconds
+        if problem.gamma * problem.approach**0.2 > 4.0:
             raise ValueError("extrapolation of the slow end of contact would take too long")
         found = high_precision.impact(law, mass, velocity, impedance)
     except ValueError:

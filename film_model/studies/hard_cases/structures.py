@@ -16,12 +16,6 @@ from film_model.studies.hard_cases.case import Finding, HardCase
 from film_model.studies.hard_cases.loads import rejected
 from film_model.targets import Plate, Structure
 
-TOLERANCE = 1e-12
-"""Of a step, of the core and of DOP853: every further contact multiplies the errors before it."""
-
-ENERGY = 1e-9
-"""Largest relative change of the energy of impactor and modes under a reversible law."""
-
 
 def _struck(target: Plate | Structure, mass: str, velocity: str) -> Scene:
     """An elastic steel ball on a target that vibrates, without weight."""
@@ -35,13 +29,14 @@ def _on_modes(scene: Scene, highest: float) -> Callable[[], Finding]:
 
     def run() -> Finding:
         """The events of DOP853 on the same modes, its values, and the energy that impactor and modes keep."""
+        tolerance = 1e-12  # of a step, of the core and of DOP853: every further contact multiplies the errors before it
         problem = problem_of(scene)
         unit, scales = problem.scales.time, problem.scales
         structure = structure_of(scene.target, highest, unit)  # type: ignore[arg-type]
-        found = vibration.run(problem, structure, TOLERANCE, 1.0)
+        found = vibration.run(problem, structure, tolerance, 1.0)
         tables, rest = structure.tables, structure.omitted * scales.force / scales.length
         other = modal_reference.integrate(
-            problem, tables.frequency * unit, tables.share * problem.mass, rest, 1.0, 1.0 / unit, TOLERANCE
+            problem, tables.frequency * unit, tables.share * problem.mass, rest, 1.0, 1.0 / unit, tolerance
         )
         contacts = "1 contact" if found.contacts == 1 else f"{found.contacts} contacts"
         if [event.name for event in found.events] != [event.name for event in other.events]:
@@ -52,7 +47,7 @@ def _on_modes(scene: Scene, highest: float) -> Callable[[], Finding]:
         )
         before = 0.5 * problem.approach**2
         balance = abs(0.5 * found.summary.final_velocity**2 + found.energy - before) / before
-        if balance > ENERGY:
+        if balance > 1e-9:
             return Finding(f"{contacts}; worst balance", math.inf, balance=balance)
         return Finding(contacts, error, balance=balance)
 

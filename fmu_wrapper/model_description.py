@@ -16,27 +16,10 @@ from film_model.version import __version__
 from fmu_wrapper.nominals import nominals
 from fmu_wrapper.resource import Data, has, has_exchange
 from fmu_wrapper.sensor_variables import of_sensors
-from fmu_wrapper.variables import (
-    EVENT_KINDS,
-    KINDS,
-    LEFT,
-    PHASES,
-    SLIDINGS,
-    STATES,
-    VARIABLES,
-    EventKind,
-    Kind,
-    Phase,
-    Real,
-    Sliding,
-    Variable,
-    Whole,
-    reference,
-)
+from fmu_wrapper.variables import ITEMS, KINDS, LEFT, STATES, VARIABLES, Kind, Real, Variable, Whole, reference
 
 FmiVersion = Literal[2, 3]
 Outputs = Literal["all", "real"]
-ITEMS = {Phase: PHASES, EventKind: EVENT_KINDS, Sliding: SLIDINGS}
 _NOT_IN_XML = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 LOG_CATEGORIES = {
     "logStatusError": "the cause of an error, and what was expected",

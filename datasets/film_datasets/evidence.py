@@ -11,7 +11,6 @@ import numpy as np
 
 from film_datasets.provenance import provenance
 from film_datasets.schema import MEASUREMENT, TABLE, content_sha256, flag_meanings, flag_words
-from film_datasets.schema.tables import EVIDENCE_KINDS, EVIDENCE_MATTER, EVIDENCE_QUANTITIES, EVIDENCE_SURENESS
 from film_model.studies.validation_rows import Row
 
 if TYPE_CHECKING:
@@ -23,8 +22,9 @@ NUMBERS = (
 )
 """Columns of numbers, SI; an empty cell is NaN."""
 
-_WORDS = {"quantity": EVIDENCE_QUANTITIES, "kind": EVIDENCE_KINDS, "sureness": EVIDENCE_SURENESS}
 _VARIABLES = {"kind": "kind_of_value", "source": "source_of_value"}
+_FLAGS = {v.name: tuple(word for number, word in v.flags if number >= 0) for v in TABLE[f"{MEASUREMENT} values"]}
+_WORDS = {name: _FLAGS[_VARIABLES.get(name, name)] for name in ("quantity", "kind", "sureness")}
 _LINES = {"notes": "note", "balls": "ball", "targets": "target"}
 """Attributes with one line for each row → their columns."""
 
@@ -51,7 +51,7 @@ def evidence_from_csv(path: str | os.PathLike[str], references: str | os.PathLik
         **{name: [getattr(row, name) for row in plain] for name in NUMBERS},
         **{_VARIABLES.get(name, name): [words.index(row[name]) for row in rows] for name, words in known.items()},
         "law": [laws.index(row.law) if row.law else -1 for row in plain],
-        "matter": [EVIDENCE_MATTER.index(row.matter) if row.matter else -1 for row in plain],
+        "matter": [_FLAGS["matter"].index(row.matter) if row.matter else -1 for row in plain],
         "row_number": [row.number for row in plain],
         "complete": [row.complete for row in plain],
         "held_out": [row.held_out for row in plain],

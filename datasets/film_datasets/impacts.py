@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from film_datasets.schema.friction_variables import ERROR, REGIME
+from film_datasets.friction_dataset import ERROR, REGIME
 from film_model.base.arrays import Array, Index, index_or_all, index_or_span
 from film_model.base.errors import SceneError
 from film_model.core import native

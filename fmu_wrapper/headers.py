@@ -26,14 +26,13 @@ def write() -> None:
 
 def _variables() -> str:
     """The table of FMU variables."""
-    indent = {"initial_indent": "    ", "subsequent_indent": "    "}
     rows = [
         "/* The variables, by value reference. Generated from fmu_wrapper/variables.csv; do not edit. */",
         "#ifndef FILM_VARIABLES_H",
         "#define FILM_VARIABLES_H",
         "",
         "enum {",
-        textwrap.fill(", ".join(v.name.upper() for v in VARIABLES) + ", VARIABLES,", 120, **indent),
+        textwrap.indent(textwrap.fill(", ".join(v.name.upper() for v in VARIABLES) + ", VARIABLES,", 116), "    "),
         f"    SETTABLE = {settable()} /* parameters and inputs come before this one */",
         "};",
         "",

@@ -27,8 +27,6 @@ LOG_CATEGORIES = {
 }
 
 
-_LONGEST_IDENTIFIER = 60
-
 DISPLAY = {
     "length": ("µm", 1e6),
     "time": ("µs", 1e6),
@@ -57,7 +55,7 @@ class Names:
         plain = unicodedata.normalize("NFKD", model).encode("ascii", "ignore").decode()
         words = re.sub("[^A-Za-z0-9]+", "_", plain).strip("_") or kind
         identifier = words if words[0].isalpha() else f"{kind}_{words}"
-        return cls(model, identifier[:_LONGEST_IDENTIFIER].rstrip("_"))
+        return cls(model, identifier[:60].rstrip("_"))
 
 
 @dataclass(frozen=True)

@@ -45,9 +45,6 @@ FLANGES: dict[Kind, dict[str, tuple[str, tuple[tuple[str, str, str], ...]]]] = {
 _PLACES = {"impactor": -100.0, "flange": -100.0, "support": 100.0}
 """Horizontal position of the middle of a terminal on the icon, which reaches from -100 to 100."""
 
-_GREEN = (0, 127, 0)
-"""Colour of mechanical flanges in the Modelica library."""
-
 
 def terminals_and_icons(data: Data, version: int, history: History | None) -> dict[str, bytes]:
     """Files by name. FMI 2.0 has its own place for the icon besides. No icon if there is no impact to draw."""
@@ -76,7 +73,7 @@ def _xml(kind: Kind, drawn: bool) -> bytes:
         if drawn:
             x = _PLACES[name]
             place = {"x1": f"{x - 10:g}", "y1": "-10", "x2": f"{x + 10:g}", "y2": "10", "iconBaseName": "flange"}
-            colour = {"defaultConnectionColor": " ".join(map(str, _GREEN))}
+            colour = {"defaultConnectionColor": "0 127 0"}  # of mechanical flanges in the Modelica library
             ET.SubElement(terminal, "TerminalGraphicalRepresentation", {**colour, **place})
     ET.indent(root)
     return ET.tostring(root, encoding="UTF-8", xml_declaration=True) + b"\n"

@@ -1,4 +1,4 @@
-"""The FMU variables, from the one table `variables.csv`: the XML files and the runtime's `variables.h` are made from it."""
+"""The FMU variables, from the one table `variables.csv`; XML files and the runtime's `variables.h` are made from it."""
 
 from __future__ import annotations
 
@@ -66,9 +66,8 @@ def _variable(row: dict[str, str]) -> Variable:
     if row["type"] == Real and dimension is None:
         dimension, text = SUMMARY[row["name"]][0], f"{SUMMARY[row['name']][1]}; {text}"
     roles: dict[Kind, str] = {kind: row[kind] for kind in KINDS if row[kind]}
-    depends, damped = (
-        {kind: tuple(row[f"{column}_{kind}"].split()) for kind in KINDS} for column in ("depends", "damped")
-    )
+    depends: dict[Kind, tuple[str, ...]] = {kind: tuple(row[f"depends_{kind}"].split()) for kind in KINDS}
+    damped: dict[Kind, tuple[str, ...]] = {kind: tuple(row[f"damped_{kind}"].split()) for kind in KINDS}
     return Variable(
         *(row["name"], row["type"], dimension, roles, row["variability"], text, low, high, row["rate_of"] or None),
         *(depends, damped, row["event"] or None, row["changes"], row["group"]),

@@ -63,9 +63,6 @@ SIGNED = (
 STANDARD_GRAVITIES = ("g", "G", "gn", "g0")
 """Words for the unit 9.80665 m/s² of accelerations, which elsewhere are grams or not known."""
 
-MOST_MISTAKES = 20
-"""Wrong cells that are reported."""
-
 _HEADING = re.compile(r"\s*([^\[(]+?)\s*(?:\[([^\]]*)\]|\(([^)]*)\))?\s*")
 
 _FACTOR = re.compile(r"[+-]?[0-9.]")
@@ -316,7 +313,7 @@ def numbers(
                 mistakes.append(
                     Mistake(file, line, "", f"{names[column]}: {shown(cell.strip())} is not a number{hint}")
                 )
-    raise_all(mistakes[:MOST_MISTAKES])
+    raise_all(mistakes[:20])
     sizes = [to_si(size_text(unit), dimension) for dimension, unit in (columns[name] for name in names)]
     return {name: table[:, k] * sizes[k] for k, name in enumerate(names)}
 

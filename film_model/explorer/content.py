@@ -47,9 +47,6 @@ from film_model.targets import HalfSpace, Plate
 from film_model.targets.supports import SUPPORTS
 from film_model.version import __version__
 
-SAMPLES = 201
-"""Times at which the motion of an impact is sampled that the page cannot simulate."""
-
 SWITCHES = ("plasticity", "target_motion", "gravity", "rate_hardening", "material_damping", "wave_losses")
 """Effects that the page decides again for every change, by the same formulas."""
 
@@ -219,7 +216,7 @@ def not_simulated(choice: Choice) -> str:
 def given(choice: Choice, reason: str) -> dict[str, Any]:
     """The result of an impact that the page cannot simulate."""
     history = simulate_chosen(choice, choice.scene.solver)
-    samples = history.sample_si(np.linspace(0.0, history.duration, SAMPLES))
+    samples = history.sample_si(np.linspace(0.0, history.duration, 201))
     motion = {name: getattr(samples, name).tolist() for name in ("time", *MOTION)}
     return {
         "reason": reason,

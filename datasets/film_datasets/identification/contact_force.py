@@ -26,13 +26,6 @@ if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import Figure
 
-MISFIT, CHANCE = 0.05, 1e-6
-"""Residual over the motion, root mean squares, from which a sensor is doubted if the residual is no noise: the
-probability that the largest line of its spectrum were so large is below `CHANCE`."""
-
-PULLS = 0.05
-"""Share of negative force in its sum of absolute values from which it is doubted."""
-
 MOST_PANELS = 6
 """Sensors in the picture."""
 
@@ -264,7 +257,7 @@ def _warnings(found: Deconvolved, motions: Motions, fitted: Array) -> list[str]:
         lines = np.abs(np.fft.rfft(residual)[1 : (residual.size + 1) // 2]) ** 2
         largest = float(lines.max() / lines.sum())
         by_chance = lines.size * (1.0 - largest) ** (lines.size - 1)  # at most: Fisher 1929, Proc. R. Soc. A 125:54
-        if share > MISFIT and by_chance < CHANCE:
+        if share > 0.05 and by_chance < 1e-6:
             line = (int(np.argmax(lines)) + 1) / (residual.size * motions.dt)
             doubted.append(f"{shown(name)} {100 * share:.2g} % of the motion, most at {line / 1e3:.3g} kHz")
     if doubted:
@@ -273,7 +266,7 @@ def _warnings(found: Deconvolved, motions: Motions, fitted: Array) -> list[str]:
             "structure, or a sensor's place or sign"
         )
     pull = float(-np.minimum(found.force, 0.0).sum() / np.abs(found.force).sum())
-    if pull > PULLS:
+    if pull > 0.05:
         said.append(f"{100 * pull:.2g} % of the force pulls, which a contact cannot: it is not that of this contact")
     if found.rows[0] == 0 or found.rows[-1] >= motions.values.shape[1] - found.step:
         said.append("the force lasts from or to an end of the record, where it is taken as 0: record before and after")

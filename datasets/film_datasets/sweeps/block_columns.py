@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from film_datasets.friction_dataset import REGIME
 from film_datasets.impacts import ClosedForms, Impacts, simulate_impacts
 from film_datasets.schema import OUT_OF_RANGE, accuracy_name, derivative_name, peak_name, side_name
-from film_datasets.friction_dataset import REGIME
 from film_datasets.sweeps.block import Block
 from film_datasets.sweeps.definition import Sweep
 from film_datasets.sweeps.designs import GRID

@@ -50,8 +50,8 @@ def _keep_released_memory() -> None:
 
     By default glibc gives it back to the system, and the next block gets pages that are new: they took 40 % of the
     time of a block, more with two workers, whose page tables are one. An array of this size is the largest after whose
-    release glibc raises the sizes from which it does so; see mallopt(3), M_MMAP_THRESHOLD. It is not touched; with other
-    C libraries this has no effect.
+    release glibc raises the sizes from which it does so; see mallopt(3), M_MMAP_THRESHOLD. It is not touched; other
+    C libraries do not care.
     """
     np.empty((32 << 20) - (1 << 13), np.uint8)
 

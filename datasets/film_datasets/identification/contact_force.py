@@ -13,8 +13,8 @@ import numpy as np
 
 from film_datasets.identification.deconvolution import SHORTEST, Deconvolved, deconvolve
 from film_datasets.identification.sensor_motions import Array, Motions, sensor_motions
-from film_datasets.provenance import provenance, text_and_hash
-from film_datasets.schema import FORCE_INTERVAL, MEASUREMENT, TABLE, content_sha256
+from film_datasets.provenance import dataset_of, text_and_hash
+from film_datasets.schema import FORCE_INTERVAL, MEASUREMENT
 from film_model.base.errors import SimulationError, TooManyModes, shown
 from film_model.base.units import format_si, si_unit
 from film_model.plot.style import COLOURS, HIGHLIGHT, picture, plain, prefixed_unit
@@ -103,29 +103,22 @@ class IdentifiedForce:
 
     def to_dataset(self) -> xr.Dataset:
         """The force with its interval, of kind impact_measurement, which `identify` takes."""
-        import xarray as xr
-
-        known = {variable.name: variable for variable in TABLE[f"{MEASUREMENT} history"]}
-        names = ("t", "contact_force", *FORCE_INTERVAL)
-        columns = zip(names, (self.time - self.time[0], self.force, self.low, self.high), strict=True)
-        ds = xr.Dataset({name: (("t",), values, known[name].attributes()) for name, values in columns})
-        ds = ds.set_coords(FORCE_INTERVAL)
-        ds.attrs = {
-            **provenance(
-                MEASUREMENT,
-                title=self._title,
-                summary=f"Contact force identified from the motion of {', '.join(self.motions.names)}.",
-                source="regularised deconvolution on the vibrations of the scene's target",
-                command="film_datasets.identify_force",
-                comment=f"The force begins {self.time[0]:g} s after the measurement's time 0. Intervals at "
-                f"{100 * self.confidence:g} %.",
-            ),
+        values = (self.time - self.time[0], self.force, self.low, self.high)
+        columns: dict[str, Any] = dict(zip(("t", "contact_force", *FORCE_INTERVAL), values, strict=True))
+        about = {
+            "title": self._title,
+            "summary": f"Contact force identified from the motion of {', '.join(self.motions.names)}.",
+            "source": "regularised deconvolution on the vibrations of the scene's target",
+            "command": "film_datasets.identify_force",
+            "comment": f"The force begins {self.time[0]:g} s after the measurement's time 0. Intervals at "
+            f"{100 * self.confidence:g} %.",
+        }
+        own = {
             "measured": "history",
             **text_and_hash("scene", self.scene.archived_text()),
             "warnings": "\n".join(self.warnings) or "none",
         }
-        ds.attrs["content_sha256"] = content_sha256(ds)
-        return ds
+        return dataset_of(MEASUREMENT, columns, about, own, f"{MEASUREMENT} history", coordinates=FORCE_INTERVAL)
 
     @property
     def _title(self) -> str:

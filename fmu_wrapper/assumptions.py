@@ -41,11 +41,7 @@ times; then the logarithm of the last factor is bisected."""
 FEW = "vibrations above those of the export"
 """What fails if the maximum force or indentation needs more natural vibrations than the FMU contains."""
 
-_PATHS = {
-    "initial_velocity": "impactor.velocity",
-    "mass": "impactor.mass",
-    "radius": "impactor.radius",
-}
+_PATHS = {"initial_velocity": "impactor.velocity", "mass": "impactor.mass", "radius": "impactor.radius"}
 """Parameters whose range of validity is determined → entries of the scene."""
 
 

@@ -51,16 +51,7 @@ from fmu_wrapper.powers import (
     rational,
     restitution_series,
 )
-from fmu_wrapper.variables import (
-    KINDS,
-    OF_FRICTION,
-    RIGID,
-    VARIABLES,
-    Kind,
-    Variable,
-    reference,
-    settable,
-)
+from fmu_wrapper.variables import KINDS, OF_FRICTION, RIGID, VARIABLES, Kind, Variable, reference, settable
 
 NAME, NOTES, SCENE = "model.film", "notes.json", "scene.toml"
 NAMES = (NAME, NOTES, SCENE)

@@ -45,11 +45,7 @@ class Package:
 
 
 def export_ssp(
-    scene: Scene,
-    path: str | os.PathLike[str],
-    *,
-    platform: str | Sequence[str] | None = None,
-    overwrite: bool = False,
+    scene: Scene, path: str | os.PathLike[str], *, platform: str | Sequence[str] | None = None, overwrite: bool = False
 ) -> Package:
     """Write the impact of a scene as an SSP 1.0 package for Co-Simulation, with FMUs for FMI 2.0.
 

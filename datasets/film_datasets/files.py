@@ -280,10 +280,7 @@ def _encoding(ds: xr.Dataset) -> dict[str, Any]:
     missing = {variable.name for variable in variables_of(ds) if variable.optional}
     deflate = {"zlib": True, "complevel": 1, "shuffle": True}
     return {
-        str(name): {
-            **_filters(array, deflate),
-            "_FillValue": float("nan") if name in missing else None,
-        }
+        str(name): {**_filters(array, deflate), "_FillValue": float("nan") if name in missing else None}
         for name, array in ds.variables.items()
     }
 

@@ -38,10 +38,7 @@ LABELS = {
 
 RATE_ENTRIES = ("strain_rate_coefficient", "rate_multiplier", "rate_exponent")
 STRENGTH_ENTRIES = ("yield_strength", "hardness", "strain_hardening_exponent")
-MATERIAL_ENTRIES = (
-    *("youngs_modulus", "poissons_ratio", "density", *STRENGTH_ENTRIES, "loss_factor"),
-    *RATE_ENTRIES,
-)
+MATERIAL_ENTRIES = (*("youngs_modulus", "poissons_ratio", "density", *STRENGTH_ENTRIES, "loss_factor"), *RATE_ENTRIES)
 OPTIONAL = (*STRENGTH_ENTRIES, "loss_factor", *RATE_ENTRIES)
 """Entries that may be missing: infinite for the formulas, so that the material does not yield, harden or damp; see also
 `EMPTY`."""

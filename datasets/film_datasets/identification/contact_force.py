@@ -158,11 +158,7 @@ class IdentifiedForce:
 
 
 def identify_force(
-    path: str | os.PathLike[str],
-    scene: Scene,
-    confidence: float = 0.99,
-    *,
-    columns: Mapping[str, str] | None = None,
+    path: str | os.PathLike[str], scene: Scene, confidence: float = 0.99, *, columns: Mapping[str, str] | None = None
 ) -> IdentifiedForce:
     """The contact force from measured displacements, velocities or accelerations of the sensors of a scene's target.
 

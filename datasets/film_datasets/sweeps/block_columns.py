@@ -83,11 +83,7 @@ def _empty_columns(sweep: Sweep, count: int) -> Columns:
 
 
 def _put(
-    sweep: Sweep,
-    columns: Columns,
-    forms: list[tuple[Index, ClosedForms]],
-    impacts: Impacts,
-    index: NDArray[np.intp],
+    sweep: Sweep, columns: Columns, forms: list[tuple[Index, ClosedForms]], impacts: Impacts, index: NDArray[np.intp]
 ) -> None:
     """Put simulated impacts into the columns at the places `index`; add their motions, and their places to `forms`."""
     at = index_or_all(index, columns["status"].size)

@@ -42,7 +42,8 @@ def changed_and_started(fmu, changes, later, end, names, start):
 def test_a_change_acts_as_the_same_scene_started_there(made, version, name, value):
     with opened(made(BOUNCING, version)) as fmu:
         tunable = {v.name for v in fmu.description.modelVariables if v.variability == "tunable"}
-        assert tunable == {"gravity", "friction", "restitution"} < {v.name for v in VARIABLES if v.variability == "tunable"}
+        every = {v.name for v in VARIABLES if v.variability == "tunable"}
+        assert tunable == {"gravity", "friction", "restitution"} < every
         found, expected = changed_and_started(fmu, {name: value}, LATER, END, (*MOTION, "maximum_force"), START)
     for k, (what, own) in enumerate(expected.items()):
         assert found[what] == pytest.approx(own, rel=ALONG if 2 < k < 6 else NORMAL, abs=1e-12), what

@@ -23,6 +23,7 @@ from film_datasets.axis_style import (
     values_and_label,
     worded,
 )
+from film_datasets.distribution_plots import DEFAULT_QUANTITY
 from film_datasets.provenance import warnings_of
 from film_datasets.schema import dimension_of, has_failed, pieces, require_impacts, swept_name, words_of
 from film_model.base.errors import did_you_mean, shown
@@ -33,8 +34,6 @@ from film_model.solve.history import SUMMARY
 if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import Figure
-
-DEFAULT_QUANTITY = "coefficient_of_restitution"
 
 MOST_LINES = 9
 """A swept quantity of at most so many values gives a line for each value, with a legend."""

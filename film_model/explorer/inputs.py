@@ -21,19 +21,9 @@ _POSITIVE = (1.0 / 20.0, 20.0)
 """Least and largest value of a slider over the value of the scene."""
 
 LABELS = {
-    "impactor": "impactor",
-    "target": "target",
-    "contact": "contact",
-    "youngs_modulus": "Young's modulus",
-    "poissons_ratio": "Poisson's ratio",
-    "D11": "bending stiffness D11",
-    "D12": "bending stiffness D12",
-    "D22": "bending stiffness D22",
-    "D66": "bending stiffness D66",
-    "target.size.0": "size along x",
-    "target.size.1": "size along y",
-    "target.position.0": "position along x",
-    "target.position.1": "position along y",
+    **{"youngs_modulus": "Young's modulus", "poissons_ratio": "Poisson's ratio"},
+    **{name: f"bending stiffness {name}" for name in ("D11", "D12", "D22", "D66")},
+    **{f"target.{what}.{k}": f"{what} along {axis}" for what in ("size", "position") for k, axis in enumerate("xy")},
 }
 
 RATE_ENTRIES = ("strain_rate_coefficient", "rate_multiplier", "rate_exponent")

@@ -87,9 +87,8 @@ class Totals:
     def to_plain(self) -> dict[str, Any]:
         """Plain values for a JSON file."""
         counters = {"failed": list(self.failed.items()), "sides": {k: list(v.items()) for k, v in self.sides.items()}}
-        return {
-            name: value.tolist() if isinstance(value, np.ndarray) else value for name, value in vars(self).items()
-        } | counters
+        arrays = {name: getattr(self, name).tolist() for name in ("estimated", "missed", "energy_gains")}
+        return {**arrays, **counters, "unkept": self.unkept}
 
     @classmethod
     def from_plain(cls, plain: Mapping[str, Any]) -> Totals:

@@ -34,21 +34,14 @@ from film_model.solve.accuracy import refine
 from film_model.solve.motions import modes_for
 from fmu_wrapper.variables import Kind
 
-SPEEDS = (0.5, 1.5, 5.0, 20.0, 150.0)
-"""Multiples of the yield velocity on which the mesh of law "auto" is tried: each stage of the law is reached."""
-
-STRIDE, STRIDES, OTHER_STRIDES, HALVINGS = 3.0, 8, 3, 6
-"""The velocity, or another parameter, is changed by this factor so often to find where its range of validity ends; then
-the logarithm of the last factor is bisected."""
+STRIDE, STRIDES = 3.0, 8
+"""The velocity is changed by this factor so often to find where its range of validity ends, another parameter three
+times; then the logarithm of the last factor is bisected."""
 
 FEW = "vibrations above those of the export"
 """What fails if the maximum force or indentation needs more natural vibrations than the FMU contains."""
 
-_PATHS = {
-    "initial_velocity": "impactor.velocity",
-    "mass": "impactor.mass",
-    "radius": "impactor.radius",
-}
+_PATHS = {"initial_velocity": "impactor.velocity", "mass": "impactor.mass", "radius": "impactor.radius"}
 """Parameters whose range of validity is determined → entries of the scene."""
 
 
@@ -122,7 +115,8 @@ def segments_for_speeds(scene: Scene, problem: Problem, counts: tuple[int, int])
     strength, modulus = problem.impacts.yield_strength, scene.effective_modulus
     assert strength is not None and modulus is not None
     limit = yield_velocity(modulus, scene.effective_radius, strength, scene.effective_mass)
-    for factor in SPEEDS:
+    # multiples of the yield velocity, so that each stage of the law is reached
+    for factor in (0.5, 1.5, 5.0, 20.0, 150.0):
         tried = replace(problem, approach=factor * limit / problem.scales.velocity)
         try:
             found, _ = refine(tried, scene.solver, [])
@@ -191,7 +185,7 @@ def _end(scene: Scene, name: str, value: float, factor: float, own: Choice, high
     def fails(tried: float) -> str:
         return _new(scene, name, tried, own, highest)
 
-    for stride in range(STRIDES if name == "initial_velocity" else OTHER_STRIDES):
+    for stride in range(STRIDES if name == "initial_velocity" else 3):
         good, bad = value * factor**stride, value * factor ** (stride + 1)
         if why := fails(bad):
             return _bisected(good, bad, why, fails)
@@ -200,7 +194,7 @@ def _end(scene: Scene, name: str, value: float, factor: float, own: Choice, high
 
 def _bisected(good: float, bad: float, why: str, fails: Callable[[float], str]) -> tuple[float, str]:
     """The last value from `good` towards `bad` at which nothing fails, and what fails at the next one tried."""
-    for _ in range(HALVINGS):
+    for _ in range(6):
         middle = math.sqrt(good * bad)
         found = fails(middle)
         good, bad, why = (good, middle, found) if found else (middle, bad, why)

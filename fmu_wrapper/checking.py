@@ -34,31 +34,25 @@ from fmu_wrapper.instance import Fmu, opened
 from fmu_wrapper.resource import Data, component_of, has_exchange, segments_of, vibrations_of
 from fmu_wrapper.variables import KINDS, reference
 
-MODES_TOLERANCE = 1e-8
-"""The same on a vibrating target: later contacts amplify rounding errors, and where a damped contact ends the force
-falls to 0 from a value that is 0 to 1e-9 of the largest."""
-
-FREQUENCY_TOLERANCE = 1e-8
-"""Allowed difference of natural frequencies, over the highest; their rounding depends on the library of linear algebra
-and on its threads. The motion is compared on the vibrations of the FMU."""
-
-RELAXING_TOLERANCE = 1e-9
-"""The same for viscoelastic bodies: the time at which the contact was as wide before is found to 1e-8 and its force
-corrected for that, so that rounding of the time moves the force by 3e-11."""
-
-RATES_TOLERANCE = 1e-5
-"""The same of the rate of indentation there and on a static stiffness: at the end of a contact it changes with the root
-of the indentation, by 1e-6 over a rounding error of 1e-12."""
+ALLOWED = {
+    # later contacts amplify rounding errors, and where a damped contact ends the force falls to 0 from a value that is
+    # 0 to 1e-9 of the largest
+    "vibrating": 1e-8,
+    # of natural frequencies, over the highest: their rounding depends on the library of linear algebra and on its
+    # threads; the motion is compared on the vibrations of the FMU
+    "frequencies": 1e-8,
+    # the time at which the contact was as wide before is found to 1e-8 and its force corrected for that, so that
+    # rounding of the time moves the force by 3e-11
+    "viscoelastic": 1e-9,
+    # of the rate of indentation on a vibrating target or a static stiffness: at the end of a contact it changes with
+    # the root of the indentation, by 1e-6 over a rounding error of 1e-12
+    "rates": 1e-5,
+    # of Model Exchange, with CVODE at a tolerance of `EXCHANGE_SOLVER`
+    "exchange": 1e-7,
+}
+"""Allowed differences, as `STEPS_TOLERANCE`, where that is not reached."""
 
 _RATES = ("relative_velocity", "target_velocity")
-
-EXCHANGE_TOLERANCE = 1e-7
-"""Allowed relative difference of Model Exchange, with CVODE at a tolerance of `EXCHANGE_SOLVER`."""
-
-JUMP = 1e-6
-"""Fraction of a run's time from a jump of the force within which the values that jump with it are not compared."""
-
-_JUMP = ("contact_force", "relative_velocity", "target_velocity")
 
 
 @dataclass(frozen=True)
@@ -122,7 +116,7 @@ def check(path: str | os.PathLike[str], scene: Scene | None = None) -> Report:
         findings = [_compared_tolerance(on, tolerance)]
     else:
         findings = [_compared_segments(on, counts)]
-    allowed = MODES_TOLERANCE if modes > 0 else RELAXING_TOLERANCE if tolerance > 0.0 else STEPS_TOLERANCE
+    allowed = ALLOWED["vibrating"] if modes > 0 else ALLOWED["viscoelastic"] if tolerance > 0.0 else STEPS_TOLERANCE
     for step in (usual, stop / 13.7, stop):
         what, ds = f"steps of {format_si(step, 'time', 3)}", run(path, step_size=step)
         findings += _compared(what, ds, component, step, allowed)
@@ -136,7 +130,7 @@ def check(path: str | os.PathLike[str], scene: Scene | None = None) -> Report:
         component = ImpactComponent(on, initial_gap=gap, accuracy=EXCHANGE_SOLVER)
         step = stop / 200.0
         ds = run(path, mode="exchange", step_size=step)
-        findings += _compared("Model Exchange", ds, component, step, EXCHANGE_TOLERANCE)
+        findings += _compared("Model Exchange", ds, component, step, ALLOWED["exchange"])
     return Report(str(path), problems, (*findings, *slopes))
 
 
@@ -147,7 +141,7 @@ def _compared_vibrations(component: ImpactComponent, data: Data) -> Finding:
         return Finding("vibrations", math.inf, 0.0, f"{theirs.count}; the library uses {component.modes}")
     off = abs(ours.frequency - theirs.frequency) / max(ours.frequency[-1], 1e-300)
     where = f"frequency {off.argmax() + 1} of {ours.count}"
-    return Finding("vibrations", float(off.max()), FREQUENCY_TOLERANCE, where)
+    return Finding("vibrations", float(off.max()), ALLOWED["frequencies"], where)
 
 
 def _compared_segments(on: Scene, counts: tuple[int, int]) -> Finding:
@@ -178,7 +172,7 @@ def _compared(what: str, ds: xr.Dataset, component: ImpactComponent, step: float
     of_events = [(event.time, event.name) for event in events]
     theirs = {name: ds[name].values for name in MOTION}
     findings = _compared_motion(what, times + touch, theirs, motion, of_events, component, allowed)
-    known = _reproducible(events, component) if allowed == EXCHANGE_TOLERANCE else len(events)
+    known = _reproducible(events, component) if allowed == ALLOWED["exchange"] else len(events)
     return findings + _compared_events(what, ds, events, known, allowed)
 
 
@@ -225,11 +219,11 @@ def _compared_motion(
         larger = "impactor_velocity" if name == "relative_velocity" or (roots and name == "target_velocity") else name
         size = max(float(np.abs(motion[n]).max()) for n in {name, larger})
         off = np.abs(ours - theirs[name]) / (size if size > 0.0 else 1.0)
-        if name in _JUMP:
+        if name in ("contact_force", *_RATES):
             off[_near(times, events, jumping)] = 0.0
         if name in _RATES and roots:
             off[_near(times, events, native.EVENTS)] = 0.0
-        limit = RATES_TOLERANCE if roots and name in _RATES else allowed
+        limit = ALLOWED["rates"] if roots and name in _RATES else allowed
         findings.append(Finding(f"{what}: {name}", float(off.max()), limit, f"t = {times[off.argmax()]:.6g} s"))
     return findings
 
@@ -239,7 +233,7 @@ def _near(times: NDArray[np.float64], events: list[tuple[float, str]], kinds: Co
     pulls where a contact begins or ends; on a static stiffness, also of omitted vibrations, the rate of indentation
     jumps where that of the contact changes."""
     moments = np.array([time for time, name in events if name in kinds])
-    return (np.abs(times[:, None] - moments) <= JUMP * times[-1]).any(axis=1)
+    return (np.abs(times[:, None] - moments) <= 1e-6 * times[-1]).any(axis=1)
 
 
 def _compared_events(what: str, ds: xr.Dataset, events: list[Event], known: int, allowed: float) -> list[Finding]:
@@ -264,6 +258,6 @@ def _reproducible(events: list[Event], component: ImpactComponent) -> int:
     for k, event in enumerate(events):
         deepest = max(deepest, event.indentation)
         left = pull * event.indentation + 0.5 * event.relative_velocity**2
-        if event.name in ("contact_ends", "reloading_begins") and left <= EXCHANGE_TOLERANCE * pull * deepest:
+        if event.name in ("contact_ends", "reloading_begins") and left <= ALLOWED["exchange"] * pull * deepest:
             return k
     return len(events)

@@ -20,14 +20,7 @@ from fmu_wrapper.resource import Data
 POINTS = 100
 """Communication points in each leg of the path."""
 
-FIRST, APART = 0.7, 0.05
-"""Depth of the first contact, and the gap after each, as fractions of the deepest indentation."""
-
 _LEGS = ("loading", "unloading", "reloading in the dent", "second unloading")
-
-
-LATE = 1e-9
-"""Allowed difference in Model Exchange, where an event is handled up to 1e-10 of the way late."""
 
 
 class Path(NamedTuple):
@@ -60,7 +53,8 @@ def compared_contact(fmu: Fmu) -> list[Finding]:
     path = _path(fmu.data)
     expected = _forces(fmu.data, path)
     findings: list[Finding] = []
-    for interface, run, allowed in (("", _stepped, STEPS_TOLERANCE), ("Model Exchange, ", _exchanged, LATE)):
+    late = 1e-9  # in Model Exchange an event is handled up to 1e-10 of the way late
+    for interface, run, allowed in (("", _stepped, STEPS_TOLERANCE), ("Model Exchange, ", _exchanged, late)):
         force, contacts = run(fmu, path)
         off = np.abs(force - expected) / max(float(np.abs(expected).max()), 1e-300)
         legs = np.array([path.leg(n) for n in range(off.size)])
@@ -75,8 +69,8 @@ def compared_contact(fmu: Fmu) -> list[Finding]:
 
 def _path(data: Data) -> Path:
     """Between zero, two depths, and gaps; the rates reach the impact's velocity."""
-    deepest, gap = data.nominal[0], -APART * data.nominal[0]
-    return Path((0.0, FIRST * deepest, gap, deepest, gap), 0.5 * math.pi * deepest / data.speed)
+    deepest, gap = data.nominal[0], -0.05 * data.nominal[0]
+    return Path((0.0, 0.7 * deepest, gap, deepest, gap), 0.5 * math.pi * deepest / data.speed)
 
 
 def _forces(data: Data, path: Path) -> NDArray[np.float64]:

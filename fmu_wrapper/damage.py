@@ -17,7 +17,7 @@ from film_model.base.errors import DamagedFile
 from fmu_wrapper import platforms, resource
 
 _LOAD = "import ctypes, sys; ctypes.CDLL(sys.argv[1])"
-_LONGEST_LOAD = 60.0  # s
+_LONGEST_LOAD = 60  # s
 _PLACE = r"^ERROR \((line \d+), column \d+\): "  # in messages of FMPy
 
 

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import html
 import math
+import tomllib
 from inspect import cleandoc
+from pathlib import Path
 
 import numpy as np
 
@@ -26,90 +28,15 @@ from fmu_wrapper.resource import Data, has, has_exchange, mode_frequencies
 from fmu_wrapper.sensor_variables import of_sensors
 from fmu_wrapper.variables import KINDS, VARIABLES, reference, settable
 
-COUPLINGS = (
-    "side by side",
-    "side by side, input_extrapolation = 1",
-    "bodies first, input_extrapolation = 0.5",
-    "force read after the input was set",
-    "force extrapolated with its derivative",
-)
+TEXTS = tomllib.loads(Path(__file__).with_suffix(".toml").read_text("utf-8"))
+
+COUPLINGS = tuple(TEXTS["coupling"]["errors"])
 """How a master couples the contact FMU and the bodies."""
 
-COUPLING_ERRORS = {
-    5: (1.07, 1.36, 0.112, 0.729, 0.0508),
-    10: (0.104, 0.39, 0.0203, 0.327, 0.0153),
-    20: (0.0117, 0.158, 0.00363, 0.151, 0.00289),
-    50: (0.000867, 0.058, 0.00037, 0.0576, 0.000306),
-    100: (0.000128, 0.0284, 6.56e-5, 0.0283, 5.53e-5),
-    500: (1.68e-6, 0.00559, 1.17e-6, 0.00559, 1.02e-6),
-}
-"""Communication steps per contact → error of the coefficient of restitution for an elastic half-space contact (exact
-value 1), for each of `COUPLINGS`."""
-
-_ABOUT = {
-    "impact": """An impactor in front of its target, or in contact with it. The FMU contains the impactor's mass; the
-inputs are the external force on the impactor and the velocity of the target's support. Positive directions point into
-the target.""",
-    "contact": """The contact force between two bodies that the importer models; it depends on earlier indentation. The
-inputs are the indentation and its rate; a gap is a negative indentation.""",
-}
-
-_IMPACT_STEPS = """\
-<p>In Co-Simulation the result does not depend on the communication step: the inputs are constant during a step, and
-the motion is computed in closed form. {whole} One step may cover a whole contact or several contacts; outputs and event
-times stay the same. The step only limits how often the inputs change. An example: coupled to a body of eight times the
-impactor's mass, with sixteen steps per contact, the velocity errors were up to 1.4 % of the approach velocity if the
-body received the force at the end of each step, and 0.2 % if it received the mean force, which is the momentum that the
-impactor lost divided by the step; the first error is proportional to the step, the second to its square.</p>
-<p>In FMI 3.0 with event mode, each event ends the step at its exact time. Otherwise the kind, exact time and values of
-events are outputs.</p>"""
-
-_EXCHANGE = """\
-<p>In Model Exchange the importer integrates the true law to its own tolerance (default: {tolerance:g}, relative), and
-events are state events.</p>"""
-
-_STATIC = """\
-<p>The target follows the contact force by its static stiffness, <code>target_stiffness</code>, without delay: it has no
-inertia, and <code>indentation</code> and <code>target_displacement</code> share the displacement of the impactor as the
-two forces balance. This FMU is for Co-Simulation: Model Exchange would need that balance in place of a state.</p>"""
-
-_MESH = """\
-<p><code>loading_segments</code> ({loading}) and <code>unloading_segments</code> ({unloading}) set the accuracy; the
-error is proportional to their number to the power of −4.</p>"""
-
-_MODES_STEPS = """\
-<p>The target is followed by {modes} natural vibrations, from {lowest} to {highest} Hz, as many as the accuracy of this
-scene needs; those above follow the force statically. They belong to the export: they are no parameters, and a much
-smaller radius or mass, or a much larger velocity, needs more of them. The structure rings on between contacts. A
-support_velocity moves it as a whole and does not make it vibrate.</p>
-<p>This FMU is for Co-Simulation: in Model Exchange the vibrations would be {states} states of an integrator,
-whose steps could not be longer than the shortest period, {shortest}.</p>"""
-
-_RELAXING_STEPS = """\
-<p>The bodies are viscoelastic: the contact modulus falls with time under load to {rest:.3g} % of the instantaneous one,
-which is <code>effective_modulus</code>. That parameter multiplies the modulus at all times; the relaxation times belong
-to the export. The contact is solved by Ting's solution in steps of its own, to the accuracy of the scene; a saved state
-contains those of the latest contact, at most {most}. A step is refused with an error where the indentation grows again
-before contact ends, or where a contact begins before the material has forgotten the one before.</p>
-<p>This FMU is for Co-Simulation: in Model Exchange an importer's integrator has no memory of how the contact
-grew.</p>"""
-
-_CONTACT_STEPS = """\
-<p>Any force element whose force is exchanged only at communication points adds or removes energy. Error of the
-coefficient of restitution of an elastic contact:</p>
-{table}
-<p>“Side by side”: an importer steps the contact and the bodies in parallel and then exchanges their outputs, as
-ordinary masters do. The force that the contact reports after a step then acts on the bodies during the following one,
-whose middle is 1.5 steps after the input of the contact. Therefore it belongs to the indentation extrapolated at its
-rate by input_extrapolation steps; the default is 1.5. A damped law's rate is extrapolated by its latest change.
-“Bodies first”: an importer steps the bodies first, and then the contact with the indentation that they have reached, or
-iterates; its best value is 0.5. With 0 or 1, contact_force belongs to the indentation at the last input, or to that
-extrapolated to the end of the step. After indentation was set, contact_force always belongs to the new indentation.</p>
-<p>The last column needs the directional derivative of contact_force with respect to indentation, which this FMU
-provides. Model Exchange and the FMU of kind “impact” do not have this error.</p>
-<p>Between two communication points the indentation is taken as the cubic through both indentations and rates, so the
-maximum indentation between them is part of the contact's memory. Values that an importer sets and then replaces before
-the step are not.</p>"""
+COUPLING_ERRORS: dict[int, tuple[float, ...]] = dict(
+    zip(TEXTS["coupling"]["steps"], zip(*TEXTS["coupling"]["errors"].values(), strict=True), strict=True)
+)
+"""Communication steps per contact → error of the coefficient of restitution for each of `COUPLINGS`."""
 
 _STYLE = (
     "body{font:16px/1.5 system-ui,sans-serif;max-width:60rem;margin:2rem auto;padding:0 1rem;color:#222}"
@@ -127,7 +54,7 @@ def documentation(
     if history is not None:
         check_picture("law.svg")
         pictures = {"law.svg": _law_picture(problem, history), "history.svg": svg(plot_history(history))}
-    parts = [f"<h1>{html.escape(title)}</h1>", f"<p>{_ABOUT[kind]} Made by film-model {__version__}.</p>"]
+    parts = [f"<h1>{html.escape(title)}</h1>", f"<p>{TEXTS['about'][kind]} Made by film-model {__version__}.</p>"]
     if history is not None:
         parts += [
             '<p><img src="history.svg" alt="Force, indentation and velocity over time"></p>',
@@ -230,6 +157,7 @@ def _damping(kind: str, problem: Problem, data: Data) -> list[str]:
 
 
 def _steps(kind: str, data: Data, history: History | None, experiment: Experiment) -> list[str]:
+    texts = TEXTS["steps"]
     if kind == "impact":
         whole = ""
         if history is not None:
@@ -237,17 +165,17 @@ def _steps(kind: str, data: Data, history: History | None, experiment: Experimen
             parts = "steps" if data.relaxation.tolerance > 0.0 else "linear force segments"
             whole = f"The contact lasts {lasts} and has {history.accuracy.lines} {parts}."
             whole = whole if history.vibration is None else f"The first contact and those that follow it last {lasts}."
-        steps = [_IMPACT_STEPS.format(whole=whole)]
+        steps = [texts["impact"].format(whole=whole)]
         if data.modes.count > 0:
             return [*steps, _modes(data)]
         if data.relaxation.tolerance > 0.0:
-            return [*steps, _RELAXING_STEPS.format(rest=100.0 * data.relaxation.law.rest, most=MOST_STEPS)]
+            return [*steps, texts["relaxing"].format(rest=100.0 * data.relaxation.law.rest, most=MOST_STEPS)]
         loading, unloading = (int(data.start[reference(f"{leg}_segments")]) for leg in ("loading", "unloading"))
-        moves = _EXCHANGE.format(tolerance=experiment.tolerance) if has_exchange(data) else _STATIC
-        return [*steps, moves, _MESH.format(loading=loading, unloading=unloading)]
+        moves = texts["exchange"].format(tolerance=experiment.tolerance) if has_exchange(data) else texts["static"]
+        return [*steps, moves, texts["mesh"].format(loading=loading, unloading=unloading)]
     rows = [(str(n), *(f"{100.0 * error:+.3g} %" for error in errors)) for n, errors in COUPLING_ERRORS.items()]
     heads = ("steps per contact", *COUPLINGS)
-    return [_CONTACT_STEPS.format(table=_table(heads, rows))]
+    return [texts["contact"].format(table=_table(heads, rows))]
 
 
 def _modes(data: Data) -> str:
@@ -255,7 +183,7 @@ def _modes(data: Data) -> str:
     frequency = mode_frequencies(data) / (2.0 * math.pi)
     shortest = format_si(1.0 / float(frequency[-1]), "time", 2) if frequency[-1] > 0.0 else "infinite"
     ends = {"lowest": f"{frequency[0]:.4g}", "highest": f"{frequency[-1]:.4g}", "shortest": shortest}
-    return _MODES_STEPS.format(modes=data.modes.count, states=2 * data.modes.count, **ends)
+    return TEXTS["steps"]["modes"].format(modes=data.modes.count, states=2 * data.modes.count, **ends)
 
 
 def _table(heads: tuple[str, ...], rows: list[tuple[str, ...]]) -> str:

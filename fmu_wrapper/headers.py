@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import textwrap
+
 from film_model.base.errors import STATUSES
 from film_model.base.units import scene_unit
 from fmu_wrapper import platforms
@@ -25,13 +27,12 @@ def write() -> None:
 def _variables() -> str:
     """The table of FMU variables."""
     rows = [
-        "/* The variables, by value reference. Generated from fmu_wrapper/variables.py; do not edit. */",
+        "/* The variables, by value reference. Generated from fmu_wrapper/variables.csv; do not edit. */",
         "#ifndef FILM_VARIABLES_H",
         "#define FILM_VARIABLES_H",
         "",
         "enum {",
-        *(f"    {variable.name.upper()}," for variable in VARIABLES),
-        "    VARIABLES,",
+        textwrap.indent(textwrap.fill(", ".join(v.name.upper() for v in VARIABLES) + ", VARIABLES,", 116), "    "),
         f"    SETTABLE = {settable()} /* parameters and inputs come before this one */",
         "};",
         "",

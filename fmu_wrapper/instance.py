@@ -23,6 +23,13 @@ from fmu_wrapper.variables import VARIABLES, Variable
 
 Row = dict[str, float]
 
+_TYPES = {
+    2: {"Real": "Real", "Whole": "Integer", "Enumeration": "Integer"},
+    3: {"Real": "Float64", "Whole": "Int32", "Enumeration": "Int64"},
+}
+"""Types of variables in the names of FMPy's functions, by the version of FMI; and the word for a saved state."""
+_STATES = {2: "FMUstate", 3: "FMUState"}
+
 
 @dataclass
 class Fmu:
@@ -157,17 +164,15 @@ class Slave:
         self.instance.getEventIndicators(values, count)
         return list(values)
 
+    def _call(self, what: str, kind: str) -> Any:
+        """The function of FMPy that gets or sets variables of a type."""
+        types = _TYPES[self.version]
+        return getattr(self.instance, what + types.get(kind, types["Enumeration"]))
+
     def set(self, name: str, value: float) -> None:
         """Set one variable."""
         k, v = self.fmu.variables[name]
-        if self.version == 2:
-            (self.instance.setReal if v.type == "Real" else self.instance.setInteger)(
-                [k], [value if v.type == "Real" else int(value)]
-            )
-        elif v.type == "Real":
-            self.instance.setFloat64([k], [value])
-        else:
-            self.instance.setInt32([k], [int(value)])
+        self._call("set", v.type)([k], [value if v.type == "Real" else int(value)])
 
     def get(self, names: Iterable[str]) -> Row:
         """Values of variables."""
@@ -176,15 +181,7 @@ class Slave:
         for name in wanted:
             by_type.setdefault(self.fmu.variables[name][1].type, []).append(name)
         for kind, group in by_type.items():
-            references = [self.fmu.variables[name][0] for name in group]
-            if kind == "Real":
-                values = (
-                    self.instance.getReal(references) if self.version == 2 else self.instance.getFloat64(references)
-                )
-            elif self.version == 2:
-                values = self.instance.getInteger(references)
-            else:
-                values = self.instance.getInt32(references) if kind == "Whole" else self.instance.getInt64(references)
+            values = self._call("get", kind)([self.fmu.variables[name][0] for name in group])
             read.update(zip(group, map(float, values), strict=True))
         return {name: read[name] for name in wanted}
 
@@ -198,16 +195,16 @@ class Slave:
 
     def save(self) -> Any:
         """A copy of the state; `restore` or `discard` frees it."""
-        return self.instance.getFMUstate() if self.version == 2 else self.instance.getFMUState()
+        return getattr(self.instance, f"get{_STATES[self.version]}")()
 
     def restore(self, state: Any) -> None:
         """Return to a saved state, and free it."""
-        self.instance.setFMUstate(state) if self.version == 2 else self.instance.setFMUState(state)
+        getattr(self.instance, f"set{_STATES[self.version]}")(state)
         self.discard(state)
 
     def discard(self, state: Any) -> None:
         """Free a saved state."""
-        self.instance.freeFMUstate(state) if self.version == 2 else self.instance.freeFMUState(state)
+        getattr(self.instance, f"free{_STATES[self.version]}")(state)
 
 
 @contextmanager

@@ -32,14 +32,7 @@ _D, _I = c.c_double, c.c_int32
 class Family(c.Structure):
     """model_family of runtime/model.h."""
 
-    _fields_ = (
-        ("shape", _D),
-        ("power", _D * len(SHAPED)),
-        ("low", _D),
-        ("high", _D),
-        ("nodes", _I),
-        ("varying", _I),
-    )
+    _fields_ = (("shape", _D), ("power", _D * len(SHAPED)), ("low", _D), ("high", _D), ("nodes", _I), ("varying", _I))
 
 
 class Modes(c.Structure):

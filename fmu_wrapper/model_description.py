@@ -16,27 +16,10 @@ from film_model.version import __version__
 from fmu_wrapper.nominals import nominals
 from fmu_wrapper.resource import Data, has, has_exchange
 from fmu_wrapper.sensor_variables import of_sensors
-from fmu_wrapper.variables import (
-    EVENT_KINDS,
-    KINDS,
-    LEFT,
-    PHASES,
-    SLIDINGS,
-    STATES,
-    VARIABLES,
-    EventKind,
-    Kind,
-    Phase,
-    Real,
-    Sliding,
-    Variable,
-    Whole,
-    reference,
-)
+from fmu_wrapper.variables import ITEMS, KINDS, LEFT, STATES, VARIABLES, Kind, Real, Variable, Whole, reference
 
 FmiVersion = Literal[2, 3]
 Outputs = Literal["all", "real"]
-ITEMS = {Phase: PHASES, EventKind: EVENT_KINDS, Sliding: SLIDINGS}
 _NOT_IN_XML = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 LOG_CATEGORIES = {
     "logStatusError": "the cause of an error, and what was expected",
@@ -44,13 +27,8 @@ LOG_CATEGORIES = {
 }
 
 
-_LONGEST_IDENTIFIER = 60
-
 DISPLAY = {
-    "length": ("µm", 1e6),
-    "time": ("µs", 1e6),
-    "force": ("kN", 1e-3),
-    "energy": ("mJ", 1e3),
+    **{"length": ("µm", 1e6), "time": ("µs", 1e6), "force": ("kN", 1e-3), "energy": ("mJ", 1e3)},
     "pressure": ("MPa", 1e-6),
 }
 """Dimension → unit in which tools show values, and its factor. Radii and gaps are shown in metres."""
@@ -74,7 +52,7 @@ class Names:
         plain = unicodedata.normalize("NFKD", model).encode("ascii", "ignore").decode()
         words = re.sub("[^A-Za-z0-9]+", "_", plain).strip("_") or kind
         identifier = words if words[0].isalpha() else f"{kind}_{words}"
-        return cls(model, identifier[:_LONGEST_IDENTIFIER].rstrip("_"))
+        return cls(model, identifier[:60].rstrip("_"))
 
 
 @dataclass(frozen=True)
@@ -175,23 +153,22 @@ def _indicators() -> int:
     return sum(map(_is_indicator, VARIABLES))
 
 
+def _true(*names: str) -> dict[str, str]:
+    return dict.fromkeys(names, "true")
+
+
 def _interfaces(root: ET.Element, data: Data, version: FmiVersion, identifier: str, sources: list[str]) -> None:
     kind = KINDS[data.kind]
     damped = bool(data.curve.stage[0].damped)
     needs_completed_step = kind == "contact" and damped  # for the maximum force, which no event reports
-    variable = {"canHandleVariableCommunicationStepSize": "true"}
+    variable = _true("canHandleVariableCommunicationStepSize")
     rates = {"maxOutputDerivativeOrder": "1"} if kind == "impact" and has_exchange(data) else {}
     if version == 2:
-        able = {
-            "modelIdentifier": identifier,
-            "canNotUseMemoryManagementFunctions": "true",
-            "canGetAndSetFMUstate": "true",
-            "canSerializeFMUstate": "true",
-            "providesDirectionalDerivative": "true",
-        }
-        without = {} if needs_completed_step else {"completedIntegratorStepNotNeeded": "true"}
+        names = ("canNotUseMemoryManagementFunctions", "canGetAndSetFMUstate", "canSerializeFMUstate")
+        able = {"modelIdentifier": identifier, **_true(*names, "providesDirectionalDerivative")}
+        without = {} if needs_completed_step else _true("completedIntegratorStepNotNeeded")
         parents = [ET.SubElement(root, "ModelExchange", {**able, **without})] if has_exchange(data) else []
-        inputs = {"canInterpolateInputs": "true"} if kind == "impact" else {}
+        inputs = _true("canInterpolateInputs") if kind == "impact" else {}
         steps = ET.SubElement(root, "CoSimulation", {**able, **variable, **inputs, **rates})
         for parent in (*parents, steps):
             if sources:
@@ -199,22 +176,13 @@ def _interfaces(root: ET.Element, data: Data, version: FmiVersion, identifier: s
                 for name in sources:
                     ET.SubElement(files, "File", name=name)
         return
-    able = {
-        "modelIdentifier": identifier,
-        "canGetAndSetFMUState": "true",
-        "canSerializeFMUState": "true",
-        "providesDirectionalDerivatives": "true",
-        "providesAdjointDerivatives": "true",
-    }
+    names = ("canGetAndSetFMUState", "canSerializeFMUState", "providesDirectionalDerivatives")
+    able = {"modelIdentifier": identifier, **_true(*names, "providesAdjointDerivatives")}
     if has_exchange(data):
         needs = str(needs_completed_step).lower()
         ET.SubElement(root, "ModelExchange", {**able, "needsCompletedIntegratorStep": needs})
-    updates = {
-        "providesIntermediateUpdate": "true",
-        "mightReturnEarlyFromDoStep": "true",
-        "canReturnEarlyAfterIntermediateUpdate": "true",
-    }
-    events = {"hasEventMode": "true"} if kind == "impact" else {}
+    updates = _true("providesIntermediateUpdate", "mightReturnEarlyFromDoStep", "canReturnEarlyAfterIntermediateUpdate")
+    events = _true("hasEventMode") if kind == "impact" else {}
     ET.SubElement(root, "CoSimulation", {**able, **variable, **updates, **events, **rates})
 
 
@@ -261,18 +229,12 @@ def _number(v: Variable, data: Data, values: dict[str, str], sizes: dict[str, fl
 
 
 def _head(v: Variable, kind: Kind, number: int) -> dict[str, str]:
-    head = {
-        "name": v.name,
-        "valueReference": str(number),
-        "description": v.description,
-        "causality": v.causality[kind],
-        "variability": v.variability,
+    initial = {"parameter": "exact", "output": "calculated", "local": "calculated"}.get(v.causality[kind])
+    return {
+        **{"name": v.name, "valueReference": str(number), "description": v.description},
+        **{"causality": v.causality[kind], "variability": v.variability},
+        **({} if initial is None else {"initial": initial}),
     }
-    if v.causality[kind] == "parameter":
-        head["initial"] = "exact"
-    if v.causality[kind] in ("output", "local"):
-        head["initial"] = "calculated"
-    return head
 
 
 def _variable_2(

@@ -63,7 +63,7 @@ HEADERS = (
     *(f"{CORE}/oblique/film_{name}.h" for name in ("friction", "springs", "slide")),
     *(
         f"{RUNTIME}/{name}.h"
-        for name in ("model", "model_parts", "instance", "instance_parts", "variables", "failures")
+        for name in ("model", "model_parts", "instance", "instance_parts", "fmi_calls", "variables", "failures")
     ),
 )
 INCLUDES = (CORE, RUNTIME)

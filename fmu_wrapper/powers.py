@@ -18,15 +18,11 @@ from fmu_wrapper.variables import LEAST_RESTITUTION
 
 AROUND = 4.0
 """Such an FMU serves shapes from a fourth to four times that of the export."""
-WORST_FIT = 1e-9
-"""Largest relative error of the force for which it does."""
 SMALLER = 0.5
 
 _REFERENCE = 0.5
 """Restitution at which the powers of the damping factor are probed: at 1 it is 0."""
 _TRIED = (0.011, 0.07, 0.4, 0.83, 0.97, 0.999)
-_WORST_SERIES = 1e-11
-"""Largest relative error of the damping factor at `_TRIED` for which the restitution is a parameter."""
 
 _PROBES = (2.0, 5.0)
 """Factors on a parameter: if both give the same exponent, the scale is a power of it."""
@@ -39,7 +35,7 @@ def own_page(problem: Problem) -> Page | None:
         return None
     low, high = max(law.shape / AROUND, float(EDGES[0])), min(law.shape * AROUND, float(EDGES[-1]))
     page = page_between(law.of_shape(1e-3), low, high)
-    return page if page.fit_error < WORST_FIT else None
+    return page if page.fit_error < 1e-9 else None
 
 
 def field_of(law: AbstractLaw, name: str) -> str:
@@ -138,7 +134,7 @@ def restitution_series(law: AbstractLaw, problem: Problem) -> Array | None:
     series = coefficients(np.log(values))
     for e in _TRIED:
         summed = np.polynomial.chebyshev.chebval(2.0 * math.log(e) / widest - 1.0, series)
-        if not abs((1.0 - e) * math.exp(summed) - factor(e)) <= _WORST_SERIES * factor(e):
+        if not abs((1.0 - e) * math.exp(summed) - factor(e)) <= 1e-11 * factor(e):
             return None
     return series
 

@@ -51,21 +51,10 @@ from fmu_wrapper.powers import (
     rational,
     restitution_series,
 )
-from fmu_wrapper.variables import (
-    KINDS,
-    OF_FRICTION,
-    RIGID,
-    VARIABLES,
-    Kind,
-    Variable,
-    reference,
-    settable,
-)
+from fmu_wrapper.variables import KINDS, OF_FRICTION, RIGID, VARIABLES, Kind, Variable, reference, settable
 
 NAME, NOTES, SCENE = "model.film", "notes.json", "scene.toml"
 NAMES = (NAME, NOTES, SCENE)
-EXTRAPOLATION = 1.5
-"""Default of input_extrapolation: right in a master that steps all FMUs side by side and then exchanges outputs."""
 
 MOST_MODES = 20_000
 """Largest number of natural vibrations of an FMU, limited by memory: 6 kB of address space each in every instance."""
@@ -183,7 +172,7 @@ def _of_scene(problem: Problem) -> dict[str, float]:
         "target_impedance": min(problem.impedance, RIGID),
         "target_stiffness": 1.0 / problem.compliance if problem.compliance > 0.0 else math.inf,
         "gravity": STANDARD_GRAVITY if problem.load > 0.0 else 0.0,
-        "input_extrapolation": EXTRAPOLATION,
+        "input_extrapolation": 1.5,  # right in a master that steps all FMUs side by side, then exchanges outputs
     }
 
 

@@ -30,13 +30,6 @@ from fmu_wrapper.resource import Data, has
 from fmu_wrapper.ssp_files import Connection, Element, parameter_set, system_structure
 from fmu_wrapper.variables import VARIABLES, Real, reference
 
-SOFTER = 1e-12
-"""The masses are impact FMUs whose own contact is softer than the scene's by this factor: its force is negligible."""
-
-STEPS = 200
-"""Communication steps in a contact that the package proposes."""
-
-
 _System = tuple[list[Element], list[Connection], dict[str, bytes], dict[str, str]]
 """Components, their connections, parameter sets of materials by file name, and materials left out with reasons."""
 
@@ -52,11 +45,7 @@ class Package:
 
 
 def export_ssp(
-    scene: Scene,
-    path: str | os.PathLike[str],
-    *,
-    platform: str | Sequence[str] | None = None,
-    overwrite: bool = False,
+    scene: Scene, path: str | os.PathLike[str], *, platform: str | Sequence[str] | None = None, overwrite: bool = False
 ) -> Package:
     """Write the impact of a scene as an SSP 1.0 package for Co-Simulation, with FMUs for FMI 2.0.
 
@@ -132,7 +121,8 @@ def _free_mass(scene: Scene, contact: Data) -> Scene:
 
 def _elements(scene: Scene, choice: Choice, contact: Data, mass: Data) -> list[Element]:
     """The components, with the start values of parameters and of inputs that are not 0."""
-    soft = SOFTER * mass.start[reference("power_stiffness")]
+    # a mass is an impact FMU whose own contact is so much softer than the scene's that its force is negligible
+    soft = 1e-12 * mass.start[reference("power_stiffness")]
     body, rate = scene.target, scene.approach_velocity
     gravity = STANDARD_GRAVITY if choice.problem.load > 0.0 else 0.0
     law = {
@@ -170,12 +160,12 @@ def _connections(scene: Scene, choice: Choice) -> list[Connection]:
 
 
 def _times(choice: Choice) -> tuple[float, float]:
-    """Stop time and communication step, s, rounded to three digits."""
+    """Stop time and communication step, 200 in a contact, s, rounded to three digits."""
     problem = choice.problem
     lasts = (
         simulate_chosen(choice, problem.scene.solver).duration if problem.approach > 0.0 else 10.0 * problem.scales.time
     )
-    return float(f"{1.25 * lasts:.3g}"), float(f"{lasts / STEPS:.3g}")
+    return float(f"{1.25 * lasts:.3g}"), float(f"{lasts / 200:.3g}")
 
 
 def _materials(scene: Scene, contact: Data) -> tuple[dict[str, bytes], dict[str, str]]:

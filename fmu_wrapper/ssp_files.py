@@ -12,11 +12,7 @@ from fmu_wrapper.resource import Data, has
 from fmu_wrapper.variables import KINDS, VARIABLES, Real, Variable, Whole, reference
 
 _SSP = "http://ssp-standard.org/SSP1/SystemStructure"
-_SPACES = {
-    "xmlns:ssc": f"{_SSP}Common",
-    "xmlns:ssd": f"{_SSP}Description",
-    "xmlns:ssv": f"{_SSP}ParameterValues",
-}
+_SPACES = {"xmlns:ssc": f"{_SSP}Common", "xmlns:ssd": f"{_SSP}Description", "xmlns:ssv": f"{_SSP}ParameterValues"}
 _OSP = "http://opensimulationplatform.com/SSP/OSPAnnotations"
 _TYPES = {Real: "Real", Whole: "Integer"}
 _WITHOUT_UNIT = (None, "dimensionless")
@@ -42,11 +38,7 @@ class Connection(NamedTuple):
 
 
 def system_structure(
-    title: str,
-    elements: Sequence[Element],
-    connections: Sequence[Connection],
-    stop_time: float,
-    step: float,
+    title: str, elements: Sequence[Element], connections: Sequence[Connection], stop_time: float, step: float
 ) -> bytes:
     """SystemStructure.ssd. step: proposed, s, for libcosim, which reads connections between components only."""
     root = ET.Element(
@@ -109,12 +101,7 @@ def _component(parent: ET.Element, element: Element) -> None:
     component = ET.SubElement(
         parent,
         "ssd:Component",
-        {
-            "name": name,
-            "type": "application/x-fmu-sharedlibrary",
-            "source": source,
-            "implementation": "CoSimulation",
-        },
+        {"name": name, "type": "application/x-fmu-sharedlibrary", "source": source, "implementation": "CoSimulation"},
     )
     connectors = ET.SubElement(component, "ssd:Connectors")
     for v in _interface(element.data):

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import io
+import tomllib
 import xml.etree.ElementTree as ET
+from pathlib import Path
 
 import numpy as np
 
@@ -13,40 +15,11 @@ from fmu_wrapper.variables import KINDS, Kind
 
 FOLDER = "terminalsAndIcons"
 
-FLANGES: dict[Kind, dict[str, tuple[str, tuple[tuple[str, str, str], ...]]]] = {
-    "impact": {
-        "impactor": (
-            "flange of the impactor: an external force acts on it",
-            (
-                ("s", "signal", "impactor_displacement"),
-                ("v", "signal", "impactor_velocity"),
-                ("a", "signal", "impactor_acceleration"),
-                ("f", "inflow", "external_force"),
-            ),
-        ),
-        "support": (
-            "flange of the target's support, which takes the contact force",
-            (("v", "signal", "support_velocity"), ("f", "outflow", "contact_force")),
-        ),
-    },
-    "contact": {
-        "flange": (
-            "both bodies of the contact: s and v of the one relative to the other, f pushes them apart",
-            (
-                ("s", "signal", "indentation"),
-                ("v", "signal", "relative_velocity"),
-                ("f", "outflow", "contact_force"),
-            ),
-        ),
-    },
-}
+FLANGES = tomllib.loads(Path(__file__).with_suffix(".toml").read_text("utf-8"))
 """Kind of FMU → terminal → description, and members: name, kind, variable."""
 
 _PLACES = {"impactor": -100.0, "flange": -100.0, "support": 100.0}
 """Horizontal position of the middle of a terminal on the icon, which reaches from -100 to 100."""
-
-_GREEN = (0, 127, 0)
-"""Colour of mechanical flanges in the Modelica library."""
 
 
 def terminals_and_icons(data: Data, version: int, history: History | None) -> dict[str, bytes]:
@@ -67,16 +40,16 @@ def _xml(kind: Kind, drawn: bool) -> bytes:
         ET.SubElement(picture, "CoordinateSystem", {**extent, "suggestedScalingFactorTo_mm": "0.1"})
         ET.SubElement(picture, "Icon", extent)
     terminals = ET.SubElement(root, "Terminals")
-    for name, (description, members) in FLANGES[kind].items():
+    for name, flange in FLANGES[kind].items():
         head = {"name": name, "matchingRule": "bus", "terminalKind": "_filmModel_translational_flange"}
-        terminal = ET.SubElement(terminals, "Terminal", {**head, "description": description})
-        for member, of, variable in members:
+        terminal = ET.SubElement(terminals, "Terminal", {**head, "description": flange["description"]})
+        for member, of, variable in flange["members"]:
             names = {"variableName": variable, "memberName": member}
             ET.SubElement(terminal, "TerminalMemberVariable", {**names, "variableKind": of})
         if drawn:
             x = _PLACES[name]
             place = {"x1": f"{x - 10:g}", "y1": "-10", "x2": f"{x + 10:g}", "y2": "10", "iconBaseName": "flange"}
-            colour = {"defaultConnectionColor": " ".join(map(str, _GREEN))}
+            colour = {"defaultConnectionColor": "0 127 0"}  # of mechanical flanges in the Modelica library
             ET.SubElement(terminal, "TerminalGraphicalRepresentation", {**colour, **place})
     ET.indent(root)
     return ET.tostring(root, encoding="UTF-8", xml_declaration=True) + b"\n"

@@ -16,8 +16,9 @@ from matplotlib.image import imread
 
 import film_model as fm
 import fmu_wrapper
+from film_model.core.native import MAX_STAGES
 from fmu_wrapper.instance import opened, started
-from fmu_wrapper.variables import VARIABLES, settable
+from fmu_wrapper.variables import EVENT_KINDS, PHASES, VARIABLES, settable
 
 VERSIONS = pytest.mark.parametrize("version", [2, 3])
 NUMBERS = ("Real", "Integer", "Float64", "Int32")
@@ -48,6 +49,12 @@ def described(path):
         if inner.tag in NUMBERS:
             found[element.get("name")] = inner.attrib
     return found
+
+
+def test_whole_numbers_end_where_the_core_does():
+    highest = {v.name: v.high for v in VARIABLES}
+    numbers = {"stage": MAX_STAGES, "phase_code": len(PHASES), "last_event_code": len(EVENT_KINDS)}
+    assert {name: highest[name] for name in numbers} == {name: count - 1 for name, count in numbers.items()}
 
 
 @combinations(version=[2, 3], kind=["impact", "contact"], law=["hertz", "big-alabo", "tsuji"], fast=4)

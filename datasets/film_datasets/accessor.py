@@ -42,13 +42,6 @@ from film_model.solve.simulate import simulate
 if TYPE_CHECKING:
     import xarray as xr
 
-ENERGY_STEPS = 4000
-"""The trapezoidal rule is then within 1e-6 of the impact energy (tests/test_datasets.py)."""
-
-
-BEYOND = 0.01
-"""A value that lies further outside those of a sweep, over their range, is not taken for the nearest of them."""
-
 
 class Film:
     """Histories, and each impact of a sweep, can be sampled, plotted and run again from their file.
@@ -148,13 +141,14 @@ class Film:
         """Energies of a history or of one impact at any times, J: `impactor`, of its motion; `contact`, the work that
         the contact force has done on the indentation; `target`, what has gone into the target.
 
-        Works are integrated by the trapezoidal rule, over `ENERGY_STEPS` steps up to the last time and all events.
+        Works are integrated by the trapezoidal rule, over 4000 steps up to the last time and all events, to 1e-6 of the
+        impact energy.
         """
         import xarray as xr
 
         t, history = _read_times(times), self.history(**where)
         marks = [event.time for event in history.events if event.time <= t.max(initial=0.0)]
-        fine = np.unique(np.concatenate([np.linspace(0.0, t.max(initial=0.0), ENERGY_STEPS + 1), t, marks]))
+        fine = np.unique(np.concatenate([np.linspace(0.0, t.max(initial=0.0), 4001), t, marks]))
         at = np.searchsorted(fine, t)
         meaning = {"impactor": "of the impactor's motion", "contact": "work done on the indentation"}
         data = {
@@ -226,7 +220,8 @@ class Film:
             wanted, values = to_si(value, dimension_of(array), bare=True), array.values
             near, least, most = int(np.abs(values - wanted).argmin()), values.min(), values.max()
             beyond = max(least - wanted, wanted - most)
-            if beyond > BEYOND * (most - least if most > least else abs(most)):
+            # beyond 1 % of their range no value of the sweep is meant
+            if beyond > 0.01 * (most - least if most > least else abs(most)):
                 raise KeyError(f"{dim} {shown(value)}: the values are from {least:g} to {most:g} {array.units}")
             return near
         if str(value) not in present:

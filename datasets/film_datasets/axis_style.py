@@ -19,18 +19,6 @@ if TYPE_CHECKING:
 MOST_POINTS = 20_000
 """Points along a line, thinned evenly, or in a scatter plot, drawn at random."""
 
-LOG_RATIO = 30.0
-"""An axis whose largest value is at least this multiple of its smallest is logarithmic, if all values are > 0."""
-
-LOG_SPACED_RATIO = 3.0
-"""The same for values in a geometric sequence."""
-
-MOST_INSIDE = 5
-"""A legend of at most so many entries lies within the axes, where matplotlib finds room; a longer one beside them."""
-
-LABELLED_RATIO = 2000.0
-"""Up to this ratio a logarithmic axis has labels at 1, 2 and 5 of each decade, beyond it at powers of ten."""
-
 
 def finite(array: xr.DataArray) -> Any:
     """The finite values; [0] if there are none."""
@@ -74,7 +62,9 @@ def plain(name: str) -> str:
 def format_axis(panel: Any, which: str, array: xr.DataArray, scaled: xr.DataArray | None = None) -> None:
     """Format the axis "x" or "y" of `array`: names as ticks, or a logarithmic scale with plain numbers.
 
-    scaled: the values that decide whether the scale is logarithmic, those of `array` unless given.
+    It is logarithmic if all values are > 0 and the largest is at least 30 times the smallest, 3 times in a geometric
+    sequence; up to a ratio of 2000 it has labels at 1, 2 and 5 of each decade, beyond it at powers of ten.
+    scaled: the values that decide this, those of `array` unless given.
     """
     axis = getattr(panel, f"{which}axis")
     meanings = words_of(array) if holds_text(array) else flag_meanings(array)
@@ -87,12 +77,12 @@ def format_axis(panel: Any, which: str, array: xr.DataArray, scaled: xr.DataArra
     if not (low > 0.0 and math.isfinite(high)):
         return
     steps = values[1:] / values[:-1]
-    geometric = steps.size > 1 and high >= LOG_SPACED_RATIO * low and np.ptp(steps) <= 1e-6 * abs(steps[0])
-    if geometric or high >= LOG_RATIO * low:
+    geometric = steps.size > 1 and high >= 3.0 * low and np.ptp(steps) <= 1e-6 * abs(steps[0])
+    if geometric or high >= 30.0 * low:
         from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter  # lazy: an optional dependency
 
         getattr(panel, f"set_{which}scale")("log")
-        if high <= LABELLED_RATIO * low:
+        if high <= 2000.0 * low:
             axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
             axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
         axis.set_minor_formatter(NullFormatter())
@@ -117,9 +107,9 @@ def draw_points(panel: Any, x: Any, y: Any, words: Sequence[str], title: str, **
 
 
 def add_legend(panel: Any, title: str) -> None:
-    """A legend of the panel's curves or points: inside if it is short, else beside the panel."""
+    """A legend of the panel's curves or points: inside if it has 5 entries or fewer, else beside the panel."""
     handles, texts = panel.get_legend_handles_labels()
-    many = len(texts) > MOST_INSIDE
+    many = len(texts) > 5
     keys: Any = panel.figure if many else panel
     where = {"loc": "outside right upper"} if many else {}
     legend = keys.legend(handles, texts, title=plain(title), frameon=False, fontsize=8, **where)

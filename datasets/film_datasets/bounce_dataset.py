@@ -5,45 +5,33 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-import numpy as np
-
-from film_datasets.provenance import PROGRAM, choice_of, provenance, text_and_hash, warnings_of
-from film_datasets.schema import BOUNCES, TABLE, content_sha256
+from film_datasets.provenance import PROGRAM, as_lines, choice_of, dataset_of, text_and_hash, warnings_of
+from film_datasets.schema import BOUNCES, TABLE
 from film_model.effects.choose import problem_of
 from film_model.solve.bounce import Bounce, Bounces
 
 if TYPE_CHECKING:
     import xarray as xr
 
-COMMENT = "rest_time: first touch of the last bounce, s; NaN if the ball does not come to rest."
-
 
 def bounce_dataset(bounces: Bounces, command: str = "film-model bounce") -> xr.Dataset:
     """The bounces of a ball as a dataset of kind impact_bounces, SI."""
-    import xarray as xr
-
-    ds = xr.Dataset(
-        {v.name: (v.dims, np.asarray(bounces.column(v.name), v.dtype), v.attributes()) for v in TABLE[BOUNCES]}
-    )
     scene = bounces.scene
-    ds.attrs = {
-        **provenance(
-            BOUNCES,
-            title=f"{scene.title or 'Impact'}: bounces",
-            summary=f"{len(bounces.bounces)} bounces of a ball under gravity (target: {scene.target.kind}, contact "
-            f"law: {bounces.law}): {bounces.outcome}.",
-            source=PROGRAM,
-            command=command,
-            comment=COMMENT,
-        ),
+    about = {
+        "title": f"{scene.title or 'Impact'}: bounces",
+        "summary": f"{len(bounces.bounces)} bounces of a ball under gravity (target: {scene.target.kind}, contact "
+        f"law: {bounces.law}): {bounces.outcome}.",
+        **{"source": PROGRAM, "command": command},
+        "comment": "rest_time: first touch of the last bounce, s; NaN if the ball does not come to rest.",
+    }
+    own = {
         **text_and_hash("scene", scene.archived_text()),
         "contact_law": str(problem_of(scene).law),
         "outcome": bounces.outcome,
         "rest_time": math.nan if bounces.rest_time is None else bounces.rest_time,
-        "warnings": "\n".join(" ".join(sentence.split()) for sentence in bounces.warnings) or "none",
+        "warnings": as_lines(bounces.warnings),
     }
-    ds.attrs["content_sha256"] = content_sha256(ds)
-    return ds
+    return dataset_of(BOUNCES, {v.name: bounces.column(v.name) for v in TABLE[BOUNCES]}, about, own)
 
 
 def bounces_of(ds: xr.Dataset) -> Bounces:

@@ -6,21 +6,17 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from film_datasets.provenance import PROGRAM, provenance, text_and_hash
-from film_datasets.schema import CHAIN, TABLE, content_sha256
+from film_datasets.provenance import PROGRAM, as_lines, dataset_of, text_and_hash
+from film_datasets.schema import CHAIN
 from film_model.scene.chain import Chain
 from film_model.solve.chain_motion import ChainMotion
 
 if TYPE_CHECKING:
     import xarray as xr
 
-COMMENT = "t: even samples while forces act, or over the duration that was asked for."
-
 
 def chain_dataset(motion: ChainMotion, samples: int, command: str) -> xr.Dataset:
     """The motion of a chain as a dataset of kind impact_chain, SI."""
-    import xarray as xr
-
     if samples < 2:
         raise ValueError(f"samples: {samples} must be at least 2")
     t = np.linspace(*motion.span, samples)
@@ -36,24 +32,19 @@ def chain_dataset(motion: ChainMotion, samples: int, command: str) -> xr.Dataset
         **{**motion.values, "contact_law": np.array(motion.laws), "contact_count": np.array(motion.counts)},
         **motion.sample_si(t),
     }
-    ds = xr.Dataset({v.name: (v.dims, np.asarray(values[v.name], v.dtype), v.attributes()) for v in TABLE[CHAIN]})
-    ds.attrs = {
-        **provenance(
-            CHAIN,
-            title=chain.title or f"Chain of {ds.sizes['body']} bodies",
-            summary=f"{ds.sizes['body']} bodies with {ds.sizes['contact']} contacts: {motion.outcome}.",
-            source=PROGRAM,
-            command=command,
-            comment=COMMENT,
-        ),
-        **text_and_hash("scene", chain.to_toml()),
-        "outcome": motion.outcome,
-        "end": motion.end,
-        "estimated_accuracy": motion.estimated,
-        "warnings": "\n".join(" ".join(sentence.split()) for sentence in motion.warnings) or "none",
+    bodies, contacts = len(values["body"]), len(links)
+    about = {
+        "title": chain.title or f"Chain of {bodies} bodies",
+        "summary": f"{bodies} bodies with {contacts} contacts: {motion.outcome}.",
+        **{"source": PROGRAM, "command": command},
+        "comment": "t: even samples while forces act, or over the duration that was asked for.",
     }
-    ds.attrs["content_sha256"] = content_sha256(ds)
-    return ds
+    own = {
+        **text_and_hash("scene", chain.to_toml()),
+        **{"outcome": motion.outcome, "end": motion.end, "estimated_accuracy": motion.estimated},
+        "warnings": as_lines(motion.warnings),
+    }
+    return dataset_of(CHAIN, values, about, own)
 
 
 def chain_in(ds: xr.Dataset) -> Chain:

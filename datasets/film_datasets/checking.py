@@ -15,9 +15,6 @@ from film_model.solve.simulate import simulate_quietly
 if TYPE_CHECKING:
     import xarray as xr
 
-ROUNDING = 1e-9
-"""Relative difference of equal results on two machines, beside the estimated errors."""
-
 
 def check(path: str | os.PathLike[str], rows: int = 10) -> list[str]:
     """What is wrong with a dataset in a file, one sentence each: with its hashes, the schema, or the results of `rows`
@@ -56,7 +53,8 @@ def _differences(ds: xr.Dataset, place: str) -> list[str]:
         return []
     history = simulate_quietly(scene)
     estimate = float(ds["estimated_accuracy"]) if "estimated_accuracy" in ds else float(ds.attrs["estimated_accuracy"])
-    allowed = ROUNDING + estimate + history.accuracy.estimated
+    # equal results of two machines differ by rounding, beside the estimated errors
+    allowed = 1e-9 + estimate + history.accuracy.estimated
     least = {
         "velocity": 1e-3 * scene.approach_velocity,
         "length": 1e-3 * (history.summary["maximum_indentation"] or 0.0),

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from film_datasets.provenance import PROGRAM, choice_of, provenance, text_and_hash
-from film_datasets.schema import COST, TABLE, content_sha256, flag_words
+from film_datasets.provenance import PROGRAM, choice_of, dataset_of, text_and_hash
+from film_datasets.schema import COST, flag_words
 from film_model.effects.choose import problem_of
 from film_model.studies.cost import CostRun, Study
 from film_model.studies.reference import COMPARED
@@ -17,16 +17,9 @@ from film_model.studies.timing import Timing
 if TYPE_CHECKING:
     import xarray as xr
 
-COMMENT = (
-    "Each run is one method at one setting; errors are relative to the reference values, which do not use the march. "
-    "settings and outcomes have a line for each run."
-)
-
 
 def cost_dataset(study: Study, command: str = "film-model cost") -> xr.Dataset:
     """A study of a scene as a dataset of kind impact_cost_study, SI."""
-    import xarray as xr
-
     runs = study.runs
     methods = list(dict.fromkeys(run.method for run in runs))
     columns: dict[str, Any] = {
@@ -42,20 +35,16 @@ def cost_dataset(study: Study, command: str = "film-model cost") -> xr.Dataset:
     for name in COMPARED:
         columns[f"error_{name}"] = [run.errors.get(name, np.nan) for run in runs]
         columns[f"reference_{name}"] = study.reference["values"][name]
-    meanings = {"methods": flag_words(methods)}
-    table = TABLE[COST]
-    ds = xr.Dataset({v.name: (v.dims, np.asarray(columns[v.name], v.dtype), v.attributes(meanings)) for v in table})
     scene = study.scene
-    ds.attrs = {
-        **provenance(
-            COST,
-            title=f"{scene.title or 'Impact'}: what accuracy costs",
-            summary=f"Error against time of {len(methods)} methods for one impact (target: {scene.target.kind}, "
-            f"contact law: {study.law}).",
-            source=f"{PROGRAM}, timings on one thread",
-            command=command,
-            comment=COMMENT,
-        ),
+    about = {
+        "title": f"{scene.title or 'Impact'}: what accuracy costs",
+        "summary": f"Error against time of {len(methods)} methods for one impact (target: {scene.target.kind}, "
+        f"contact law: {study.law}).",
+        **{"source": f"{PROGRAM}, timings on one thread", "command": command},
+        "comment": "Each run is one method at one setting; errors are relative to the reference values, which do not "
+        "use the march. settings and outcomes have a line for each run.",
+    }
+    own = {
         **text_and_hash("scene", scene.archived_text()),
         "contact_law": str(problem_of(scene).law),
         "settings": "\n".join(f"{run.method}: {run.setting}" for run in runs),
@@ -63,8 +52,7 @@ def cost_dataset(study: Study, command: str = "film-model cost") -> xr.Dataset:
         "reference_method": study.reference["method"],
         "machine": "\n".join(f"{key} {value}" for key, value in study.machine.items()),
     }
-    ds.attrs["content_sha256"] = content_sha256(ds)
-    return ds
+    return dataset_of(COST, columns, about, own, meanings={"methods": flag_words(methods)})
 
 
 def study_of(ds: xr.Dataset) -> Study:

@@ -7,14 +7,14 @@ import hashlib
 import math
 import os
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from film_datasets.provenance import provenance
-from film_datasets.schema import FORCE_INTERVAL, MEASURED_CONDITIONS, MEASUREMENT, TABLE, Variable, content_sha256
+from film_datasets.provenance import dataset_of
+from film_datasets.schema import FORCE_INTERVAL, MEASURED_CONDITIONS, MEASUREMENT, TABLE, Variable
 from film_model.base.errors import Mistake, SceneError, did_you_mean, raise_all, shown
 from film_model.base.units import DIMENSIONS, to_si
 from film_model.oblique.result import OBLIQUE
@@ -63,9 +63,6 @@ SIGNED = (
 STANDARD_GRAVITIES = ("g", "G", "gn", "g0")
 """Words for the unit 9.80665 m/s² of accelerations, which elsewhere are grams or not known."""
 
-MOST_MISTAKES = 20
-"""Wrong cells that are reported."""
-
 _HEADING = re.compile(r"\s*([^\[(]+?)\s*(?:\[([^\]]*)\]|\(([^)]*)\))?\s*")
 
 _FACTOR = re.compile(r"[+-]?[0-9.]")
@@ -107,7 +104,7 @@ def from_csv(path: str | os.PathLike[str], title: str = "", columns: Mapping[str
     along = next(iter(known))
     if kind == "impacts":
         _check_sizes(name, [line for line, _ in body], values, known, along)
-    return _dataset(Path(name), text, title, kind, {key: (known[key], value) for key, value in values.items()}, along)
+    return _dataset(Path(name), text, title, kind, values, known, along)
 
 
 class Rows(NamedTuple):
@@ -316,7 +313,7 @@ def numbers(
                 mistakes.append(
                     Mistake(file, line, "", f"{names[column]}: {shown(cell.strip())} is not a number{hint}")
                 )
-    raise_all(mistakes[:MOST_MISTAKES])
+    raise_all(mistakes[:20])
     sizes = [to_si(size_text(unit), dimension) for dimension, unit in (columns[name] for name in names)]
     return {name: table[:, k] * sizes[k] for k, name in enumerate(names)}
 
@@ -338,26 +335,17 @@ def _check_sizes(
 
 
 def _dataset(
-    path: Path, text: str, title: str, kind: str, values: dict[str, tuple[Variable, np.ndarray]], along: str
+    path: Path, text: str, title: str, kind: str, values: dict[str, np.ndarray], known: Iterable[str], along: str
 ) -> xr.Dataset:
-    import xarray as xr
-
-    data = {name: (v.dims, array, v.attributes()) for name, (v, array) in values.items()}
-    order = [variable.name for variable in TABLE[f"{MEASUREMENT} {kind}"] if variable.name in data]
-    given = [name for name in order if name in _given(along)]
-    ds = xr.Dataset({name: data[name] for name in order}).set_coords(given)
-    ds.attrs = {
-        **provenance(
-            MEASUREMENT,
-            title=title or f"Measurement {path.stem}",
-            summary=f"Measured {', '.join(name for name in order if name not in given)} of "
-            + ("one impact over time." if kind == "history" else "impacts at several velocities."),
-            source=f"measurement, from the file {path.name}",
-            command="film_datasets.from_csv",
-            comment="Empty cells of the file are NaN. measurement_sha256 is of the file's text.",
-        ),
-        "measured": kind,
-        "measurement_sha256": hashlib.sha256(text.encode()).hexdigest(),
+    given = [name for name in known if name in values and name in _given(along)]
+    measured = ", ".join(name for name in known if name in values and name not in given)
+    about = {
+        "title": title or f"Measurement {path.stem}",
+        "summary": f"Measured {measured} of "
+        + ("one impact over time." if kind == "history" else "impacts at several velocities."),
+        "source": f"measurement, from the file {path.name}",
+        "command": "film_datasets.from_csv",
+        "comment": "Empty cells of the file are NaN. measurement_sha256 is of the file's text.",
     }
-    ds.attrs["content_sha256"] = content_sha256(ds)
-    return ds
+    own = {"measured": kind, "measurement_sha256": hashlib.sha256(text.encode()).hexdigest()}
+    return dataset_of(MEASUREMENT, values, about, own, f"{MEASUREMENT} {kind}", coordinates=given)

@@ -32,8 +32,6 @@ if TYPE_CHECKING:
 
 SIZE = (7.2, 4.6)  # inches
 
-PANEL_HEIGHT = 2.2  # inches, at least, for each quantity of a measurement
-
 
 def plot(
     ds: xr.Dataset,
@@ -85,7 +83,7 @@ def plot(
     if schema == COST:
         return plot_study(study_of(ds), path, dpi)
     if schema == MEASUREMENT:
-        size = SIZE[0], max(SIZE[1], PANEL_HEIGHT * (len(ds.variables) - 1))
+        size = SIZE[0], max(SIZE[1], 2.2 * (len(ds.variables) - 1))
         return picture(path, lambda figure: _draw_measurement(figure, ds), size, dpi)
     return picture(path, draw_sweep(ds, quantity, over, at), SIZE, dpi)
 

@@ -24,9 +24,6 @@ KINDS = ("histogram", "ecdf", "scatter", TORNADO)
 
 DEFAULT_QUANTITY = "coefficient_of_restitution"
 
-BINS = 10, 200
-"""Least and largest number of bars of a histogram."""
-
 MARKED = (0.05, 0.5, 0.95)
 """Fractions of the impacts whose quantiles are marked."""
 
@@ -94,11 +91,11 @@ def _one(figure: Figure, array: xr.DataArray, kind: str, notes: list[str]) -> No
 
 
 def _bins(values: Any) -> int:
-    """Number of bars by the rule of Freedman and Diaconis (1981), within `BINS`."""
+    """Number of bars by the rule of Freedman and Diaconis (1981), 10 to 200."""
     low, high = np.quantile(values, (0.25, 0.75))
     width = 2.0 * float(high - low) / values.size ** (1 / 3)
     wanted = math.ceil(float(np.ptp(values)) / width) if width > 0.0 else 0
-    return min(max(wanted, BINS[0]), BINS[1])
+    return min(max(wanted, 10), 200)
 
 
 def _scatter(figure: Figure, ds: xr.Dataset, x: str, y: str, notes: list[str]) -> None:

@@ -9,9 +9,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from film_datasets.provenance import provenance
-from film_datasets.schema import MEASUREMENT, TABLE, content_sha256, flag_meanings, flag_words
-from film_datasets.schema.tables import EVIDENCE_KINDS, EVIDENCE_MATTER, EVIDENCE_QUANTITIES, EVIDENCE_SURENESS
+from film_datasets.provenance import dataset_of
+from film_datasets.schema import MEASUREMENT, TABLE, flag_meanings, flag_words
 from film_model.studies.validation_rows import Row
 
 if TYPE_CHECKING:
@@ -23,8 +22,9 @@ NUMBERS = (
 )
 """Columns of numbers, SI; an empty cell is NaN."""
 
-_WORDS = {"quantity": EVIDENCE_QUANTITIES, "kind": EVIDENCE_KINDS, "sureness": EVIDENCE_SURENESS}
 _VARIABLES = {"kind": "kind_of_value", "source": "source_of_value"}
+_FLAGS = {v.name: tuple(word for number, word in v.flags if number >= 0) for v in TABLE[f"{MEASUREMENT} values"]}
+_WORDS = {name: _FLAGS[_VARIABLES.get(name, name)] for name in ("quantity", "kind", "sureness")}
 _LINES = {"notes": "note", "balls": "ball", "targets": "target"}
 """Attributes with one line for each row → their columns."""
 
@@ -34,8 +34,6 @@ def evidence_from_csv(path: str | os.PathLike[str], references: str | os.PathLik
 
     Raises ValueError for a word that is not known.
     """
-    import xarray as xr
-
     with open(references, encoding="utf-8", newline="") as file:
         sources = {row["source"]: row["reference"] for row in csv.DictReader(file)}
     lines = [line for line in Path(path).read_text(encoding="utf-8").splitlines() if not line.startswith("#")]
@@ -51,30 +49,26 @@ def evidence_from_csv(path: str | os.PathLike[str], references: str | os.PathLik
         **{name: [getattr(row, name) for row in plain] for name in NUMBERS},
         **{_VARIABLES.get(name, name): [words.index(row[name]) for row in rows] for name, words in known.items()},
         "law": [laws.index(row.law) if row.law else -1 for row in plain],
-        "matter": [EVIDENCE_MATTER.index(row.matter) if row.matter else -1 for row in plain],
+        "matter": [_FLAGS["matter"].index(row.matter) if row.matter else -1 for row in plain],
         "row_number": [row.number for row in plain],
         "complete": [row.complete for row in plain],
         "held_out": [row.held_out for row in plain],
     }
-    meanings = {"sources": flag_words(list(sources)), "laws": flag_words(laws)}
-    table = TABLE[f"{MEASUREMENT} values"]
-    ds = xr.Dataset({v.name: (v.dims, np.asarray(columns[v.name], v.dtype), v.attributes(meanings)) for v in table})
-    ds.attrs = {
-        **provenance(
-            MEASUREMENT,
-            title="Impacts measured, computed with finite elements, or derived",
-            summary=f"{len(rows)} values from {len(sources)} sources, with their conditions and uncertainty.",
-            source=f"published values, from the file {Path(path).name}",
-            command="film_datasets.evidence.evidence_from_csv",
-            comment="One value a row. Attributes notes, balls and targets have one line for each row; the last two "
-            "are the materials of measured impacts, as in a scene file.",
-        ),
+    about = {
+        "title": "Impacts measured, computed with finite elements, or derived",
+        "summary": f"{len(rows)} values from {len(sources)} sources, with their conditions and uncertainty.",
+        "source": f"published values, from the file {Path(path).name}",
+        "command": "film_datasets.evidence.evidence_from_csv",
+        "comment": "One value a row. Attributes notes, balls and targets have one line for each row; the last two "
+        "are the materials of measured impacts, as in a scene file.",
+    }
+    own = {
         "measured": "values",
         "sources": "\n".join(f"{word}: {reference}" for word, reference in sources.items()),
         **{name: "\n".join(row[column] or "none" for row in rows) for name, column in _LINES.items()},
     }
-    ds.attrs["content_sha256"] = content_sha256(ds)
-    return ds
+    meanings = {"sources": flag_words(list(sources)), "laws": flag_words(laws)}
+    return dataset_of(MEASUREMENT, columns, about, own, f"{MEASUREMENT} values", meanings)
 
 
 def _row(row: dict[str, str]) -> Row:

@@ -45,9 +45,6 @@ NEEDS_ZARR = 'Zarr folders need zarr: install film-model[zarr] (pip install "fil
 DEFLATE_FROM = 4096
 """Smaller variables (bytes) are not compressed: the chunk index (2 kB) takes more than compression saves."""
 
-NO_SPACE = 1_000_000
-"""A disk with fewer free bytes than this is full."""
-
 
 def write(ds: xr.Dataset | History, path: str | os.PathLike[str], overwrite: bool = False) -> Path:
     """Write `ds` to the netCDF-4 file or Zarr folder `path`, or as a table (see `to_frame`) to a .csv, .parquet or .mat
@@ -242,7 +239,7 @@ def check_place(target: Path, overwrite: bool) -> None:
 def reason_of(error: Exception, target: Path) -> str:
     """Why writing failed. The netCDF library says "Permission denied" for a full disk, and RuntimeError for others;
     h5py adds lines about its own state to the system's error."""
-    if shutil.disk_usage(target.absolute().parent).free < NO_SPACE:
+    if shutil.disk_usage(target.absolute().parent).free < 1_000_000:
         return "the disk is full"
     number = getattr(error, "errno", None) or 0
     if number > 0:  # below 0 are the netCDF library's own
@@ -283,10 +280,7 @@ def _encoding(ds: xr.Dataset) -> dict[str, Any]:
     missing = {variable.name for variable in variables_of(ds) if variable.optional}
     deflate = {"zlib": True, "complevel": 1, "shuffle": True}
     return {
-        str(name): {
-            **_filters(array, deflate),
-            "_FillValue": float("nan") if name in missing else None,
-        }
+        str(name): {**_filters(array, deflate), "_FillValue": float("nan") if name in missing else None}
         for name, array in ds.variables.items()
     }
 

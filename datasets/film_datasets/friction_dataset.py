@@ -5,12 +5,13 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Any
 
-from film_datasets.schema import has, require
-from film_datasets.schema.friction_variables import ERROR, HIGH, IN_HISTORIES, LOW, REGIME
+from film_datasets.schema import HISTORY, TABLE, has, require
 from film_model.oblique.result import KINDS, MOTION, OBLIQUE, REGIMES, Oblique
 
 if TYPE_CHECKING:
     import xarray as xr
+
+REGIME, ERROR, LOW, HIGH = "sliding_regime", "estimated_friction_error", "sliding_after_low", "sliding_after_high"
 
 
 def friction_columns(oblique: Oblique | None) -> dict[str, Any]:
@@ -33,7 +34,7 @@ def read_friction(ds: xr.Dataset) -> Oblique | None:
     """The tangential part of the impact of a dataset; None without it. Raises ValueError if a variable is missing."""
     if not has(ds, "friction"):
         return None
-    require(ds, (variable.name for variable in IN_HISTORIES))
+    require(ds, (variable.name for variable in TABLE[f"{HISTORY} friction"]))
     values = {name: float(ds[name]) for name in OBLIQUE}
     summary = {name: value for name, value in values.items() if not (name.startswith("target_") and math.isnan(value))}
     times, kinds = (ds[f"friction_event_{name}"].values.tolist() for name in ("time", "kind"))

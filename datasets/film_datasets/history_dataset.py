@@ -11,13 +11,7 @@ from numpy.typing import NDArray
 
 from film_datasets.contents import Contents, Values
 from film_datasets.friction_dataset import friction_columns, read_friction
-from film_datasets.provenance import (
-    PROGRAM,
-    choice_of,
-    provenance,
-    text_and_hash,
-    warnings_of,
-)
+from film_datasets.provenance import PROGRAM, choice_of, provenance, text_and_hash, warnings_of
 from film_datasets.scene_constants import constants_of, scene_key
 from film_datasets.schema import (
     ADDED,
@@ -98,11 +92,7 @@ def history_contents(history: History, samples: int, command: str) -> Contents:
     data = {
         v.name: Values(v.dims, np.asarray(columns[v.name], dtype=v.dtype), v.attributes(meanings))
         for v in (
-            *TABLE[HISTORY],
-            *TABLE[f"{HISTORY} steps"],
-            *TABLE[f"{HISTORY} friction"],
-            *TABLE[f"{HISTORY} sensors"],
-            *TABLE[f"{HISTORY} strains"],
+            *(v for part in ("", " steps", " friction", " sensors", " strains") for v in TABLE[HISTORY + part]),
             *CONSTANTS,
             SCENE_KEY.over(()),
         )
@@ -176,17 +166,9 @@ def history_of(ds: xr.Dataset) -> History:
         max(lines.size - 1, 0),
         0 if modes is None else modes.modes,
     )
-    remarks = warnings_of(ds)
     return History(
-        scene,
-        choice,
-        lines,
-        _read_events(ds, names),
-        Outcome(ds.attrs["outcome"]),
-        _read_summary(ds),
-        accuracy,
-        remarks,
-        modes,
+        *(scene, choice, lines, _read_events(ds, names), Outcome(ds.attrs["outcome"]), _read_summary(ds), accuracy),
+        *(warnings_of(ds), modes),
         oblique=read_friction(ds),
     )
 

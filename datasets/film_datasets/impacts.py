@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from film_datasets.schema.friction_variables import ERROR, REGIME
+from film_datasets.friction_dataset import ERROR, REGIME
 from film_model.base.arrays import Array, Index, index_or_all, index_or_span
 from film_model.base.errors import SceneError
 from film_model.core import native
@@ -207,22 +207,11 @@ def simulate_impacts(scene: Scene, numbers: Mapping[str, Array]) -> Impacts:
         law[index] = found.law[index]
         zener_number[index] = problem.impacts.zener
         gains[index] = gains_energy(problem, found.summary["energy_absorbed"][index])
-    return Impacts(
-        scene,
-        found.summary,
-        found.status,
-        found.laws,
-        law,
-        zener_number,
-        gains,
-        found.estimated,
-        {}
-        if (sliding := found.oblique) is None
-        else {**sliding.summary, REGIME: sliding.regime, ERROR: sliding.estimated},
-        found.problems,
-        found.segments,
-        found.followed,
-    )
+    friction, sliding = dict[str, NDArray[Any]](), found.oblique
+    if sliding is not None:
+        friction = {**sliding.summary, REGIME: sliding.regime, ERROR: sliding.estimated}
+    known = (scene, found.summary, found.status, found.laws, law, zener_number, gains, found.estimated, friction)
+    return Impacts(*known, found.problems, found.segments, found.followed)
 
 
 def sample_closed_form(scene: Scene, form: ClosedForm, units: Mapping[str, float], times: Array) -> dict[str, Array]:

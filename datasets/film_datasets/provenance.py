@@ -5,13 +5,14 @@ from __future__ import annotations
 import hashlib
 import os
 import platform
+from collections.abc import Iterable, Mapping
 from datetime import UTC, datetime
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from film_datasets.scene_constants import check_scene_key, scene_key
-from film_datasets.schema import HISTORY, VERSIONS, kind_of
+from film_datasets.schema import HISTORY, TABLE, VERSIONS, content_sha256, kind_of
 from film_model.base.errors import SceneError
 from film_model.core import native
 from film_model.effects.choose import Choice, choose
@@ -56,6 +57,34 @@ def provenance(kind: str, *, title: str, summary: str, source: str, command: str
         "film_model_version": __version__,
         "computing_platform": made_on(),
     }
+
+
+def dataset_of(
+    kind: str,
+    columns: Mapping[str, Any],
+    about: Mapping[str, str],
+    own: Mapping[str, Any],
+    table: str = "",
+    meanings: Mapping[str, Any] | None = None,
+    coordinates: Iterable[str] = (),
+) -> xr.Dataset:
+    """A dataset of `kind` with those variables of `TABLE`, or of its key `table`, that are in `columns`.
+
+    about: what `provenance` takes. own: further attributes, besides the hash of the content.
+    """
+    import xarray as xr
+
+    variables = [v for v in TABLE[table or kind] if v.name in columns]
+    ds = xr.Dataset({v.name: (v.dims, np.asarray(columns[v.name], v.dtype), v.attributes(meanings)) for v in variables})
+    ds = ds.set_coords([*coordinates])
+    ds.attrs = {**provenance(kind, **about), **own}
+    ds.attrs["content_sha256"] = content_sha256(ds)
+    return ds
+
+
+def as_lines(sentences: Iterable[str]) -> str:
+    """Sentences as the attribute `warnings` has them."""
+    return "\n".join(" ".join(sentence.split()) for sentence in sentences) or "none"
 
 
 def made_on() -> str:

@@ -23,6 +23,7 @@ from film_datasets.axis_style import (
     values_and_label,
     worded,
 )
+from film_datasets.distribution_plots import DEFAULT_QUANTITY
 from film_datasets.provenance import warnings_of
 from film_datasets.schema import dimension_of, has_failed, pieces, require_impacts, swept_name, words_of
 from film_model.base.errors import did_you_mean, shown
@@ -34,22 +35,11 @@ if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import Figure
 
-DEFAULT_QUANTITY = "coefficient_of_restitution"
-
 MOST_LINES = 9
 """A swept quantity of at most so many values gives a line for each value, with a legend."""
 
 FEW_POINTS = 200
 """Up to so many points of a scatter plot are drawn large."""
-
-MOST_CELLS = 1500
-"""Cells along one side of a heat map."""
-
-MARKED_POINTS = 12
-"""A line of at most so many points has a marker at each."""
-
-SAID_WIDTH = 80
-"""Characters in a line of text that stands instead of a plot."""
 
 LINE_STYLES = ("-", "--", ":", "-.")
 
@@ -86,7 +76,7 @@ def draw_sweep(
 def _say_why(figure: Figure, ds: xr.Dataset, quantity: str) -> None:
     """Instead of empty axes: that no impact has a value of the quantity, and the first warning of the sweep."""
     said = [f"No impact of this sweep has a value of {quantity.replace('_', ' ')}.", *warnings_of(ds)[:1]]
-    lines = [textwrap.fill(line, SAID_WIDTH).replace("$", r"\$") for line in said]
+    lines = [textwrap.fill(line, 80).replace("$", r"\$") for line in said]
     figure.text(0.5, 0.5, "\n\n".join(lines), ha="center", va="center")
     set_title(figure, ds)
 
@@ -123,7 +113,7 @@ def _draw_lines(figure: Figure, ds: xr.Dataset, quantity: str, over: list[str], 
     size, unit = prefixed_unit(finite(array), dimension_of(array))
     x_values, x_label = values_and_label(array[x])
     separate = bool(words_of(ds[x]))  # there is nothing between two names to draw a line through
-    marker = "o" if separate or array.sizes[x] <= MARKED_POINTS else None
+    marker = "o" if separate or array.sizes[x] <= 12 else None
     for k, text in enumerate([""] if family is None else _legend_texts(ds[family])):
         line = array if family is None else array.isel({family: k})
         line_style = "none" if separate else LINE_STYLES[k // len(COLOURS) % len(LINE_STYLES)]
@@ -142,7 +132,7 @@ def _draw_map(figure: Figure, ds: xr.Dataset, quantity: str, over: list[str], at
     panel = figure.add_subplot()
     x, y = over
     array, fixed = _select(ds, quantity, [y, x], at)
-    whole, array = array, array.isel({name: thinned(array.sizes[name], MOST_CELLS) for name in over})
+    whole, array = array, array.isel({name: thinned(array.sizes[name], 1500) for name in over})
     array = array.transpose(y, x).load()
     size, unit = prefixed_unit(finite(array), dimension_of(array))
     (x_values, x_label), (y_values, y_label) = values_and_label(array[x]), values_and_label(array[y])

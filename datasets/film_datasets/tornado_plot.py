@@ -17,10 +17,6 @@ from film_model.plot.style import COLOURS, picture, prefixed_unit
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-MOST_BARS = 20
-
-SIZE = (7.2, 4.0)  # inches
-
 
 def plot_tornado(
     found: Tolerance, path: str | os.PathLike[str] | None = None, quantity: str | None = None, dpi: float = 200.0
@@ -32,14 +28,14 @@ def plot_tornado(
     >>> found = fd.tolerance(scene, {"impactor.radius": "10 mm ± 1 %", "impactor.velocity": "1 m/s ± 2 %"}, samples=64)
     >>> figure = fd.plot_tornado(found, "tornado.png")
     """
-    return picture(path, draw_tornado(found.sweep, quantity or next(iter(found.spreads))), SIZE, dpi)
+    return picture(path, draw_tornado(found.sweep, quantity or next(iter(found.spreads))), (7.2, 4.0), dpi)
 
 
 def draw_tornado(sweep: Sweep, quantity: str) -> Callable[[Figure], None]:
     """A function that draws the picture into a figure. Raises as :func:`one_at_a_time`."""
     swings = one_at_a_time(sweep, quantity)
     units = {axis.path: axis.dimension for axis in sweep.axes}
-    return lambda figure: _fill(figure, sweep, quantity, swings[:MOST_BARS], units)
+    return lambda figure: _fill(figure, sweep, quantity, swings[:20], units)
 
 
 def _fill(figure: Figure, sweep: Sweep, quantity: str, swings: Sequence[Swing], units: dict[str, str]) -> None:

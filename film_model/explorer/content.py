@@ -47,9 +47,6 @@ from film_model.targets import HalfSpace, Plate
 from film_model.targets.supports import SUPPORTS
 from film_model.version import __version__
 
-SAMPLES = 201
-"""Times at which the motion of an impact is sampled that the page cannot simulate."""
-
 SWITCHES = ("plasticity", "target_motion", "gravity", "rate_hardening", "material_damping", "wave_losses")
 """Effects that the page decides again for every change, by the same formulas."""
 
@@ -103,9 +100,7 @@ class Content:
             },
             "units": {symbol: [float(size), list(powers)] for symbol, (size, powers) in SYMBOLS.items()},
             "dimensions": {name: _dimension(name) for name in DIMENSIONS},
-            "summary": {name: [dimension, text] for name, (dimension, text) in SUMMARY.items()},
-            "motion": {name: [dimension, text] for name, (dimension, text) in MOTION.items()},
-            "oblique": {name: [dimension, text] for name, (dimension, text) in OBLIQUE.items()},
+            **{"summary": SUMMARY, "motion": MOTION, "oblique": OBLIQUE},
             "computed": COMPUTED,
             "statuses": {str(code): status.sentence for code, status in STATUSES.items()},
             "colours": COLOURS,
@@ -219,7 +214,7 @@ def not_simulated(choice: Choice) -> str:
 def given(choice: Choice, reason: str) -> dict[str, Any]:
     """The result of an impact that the page cannot simulate."""
     history = simulate_chosen(choice, choice.scene.solver)
-    samples = history.sample_si(np.linspace(0.0, history.duration, SAMPLES))
+    samples = history.sample_si(np.linspace(0.0, history.duration, 201))
     motion = {name: getattr(samples, name).tolist() for name in ("time", *MOTION)}
     return {
         "reason": reason,
@@ -268,14 +263,9 @@ def _intervals() -> list[list[dict[str, Any]]]:
         found.append(
             [
                 {
-                    "name": name,
-                    "low": one.low,
-                    "high": one.high,
-                    "most": one.most,
-                    "up_to": f"{one.most:.0f}",
-                    "covered": COVERED,
+                    **{"name": name, "low": one.low, "high": one.high, "most": one.most, "up_to": f"{one.most:.0f}"},
+                    **{"covered": COVERED, "largest": LARGEST.get(name), "evidence": evidence(family, one)},
                 }
-                | {"largest": LARGEST.get(name), "evidence": evidence(family, one)}
                 for name, one in known.items()
                 if one is not None
             ]
@@ -286,22 +276,17 @@ def _intervals() -> list[list[dict[str, Any]]]:
 def layout() -> dict[str, Any]:
     """Sizes and offsets of the core's structures, in bytes; without pointers they are the same on all platforms."""
     structures: dict[str, Any] = {
-        "start": native.Start,
-        "summary": native.Summary,
-        "state": native.State,
-        "line": native.Line,
-        "solution": native.Solution,
+        **{"start": native.Start, "summary": native.Summary, "state": native.State, "line": native.Line},
+        **{"solution": native.Solution, "modal": modal.Modal, "modal_start": modal.Start},
+        **{"modal_summary": modal.Summary, "modal_segment": modal.Segment, "modal_event": modal.Event},
+        **{"normal": friction.Normal, "friction": friction.Result, "springs": springs.Impact, "watch": springs.Watch},
     }
-    structures |= {"modal": modal.Modal, "modal_start": modal.Start, "modal_summary": modal.Summary}
-    structures |= {"normal": friction.Normal, "friction": friction.Result}
-    structures |= {"springs": springs.Impact, "watch": springs.Watch}
-    structures |= {"modal_segment": modal.Segment, "modal_event": modal.Event}
     found: dict[str, Any] = {
-        name: {field[0]: getattr(kind, field[0]).offset for field in kind._fields_} | {"size": size_of(kind)}
+        name: {field[0]: getattr(kind, field[0]).offset for field in kind._fields_} | {"size": ctypes.sizeof(kind)}
         for name, kind in structures.items()
     }
     return found | {
-        "curve": size_of(native.Curve),
+        "curve": ctypes.sizeof(native.Curve),
         "most_segments": MOST_SEGMENTS,
         "events": native.EVENTS,
         "phases": native.PHASES,
@@ -309,47 +294,23 @@ def layout() -> dict[str, Any]:
     }
 
 
-def size_of(kind: Any) -> int:
-    """Size of a structure, bytes."""
-    return ctypes.sizeof(kind)
-
-
 def _constants() -> dict[str, Any]:
     return {
         "first_segments": FIRST_SEGMENTS,
         "trial_segments": 4 * TRIAL_SEGMENTS,  # the page marches lines only; the trial in Python takes shorter ways
-        "grazing": GRAZING,
-        "deeper": DEEPER,
-        "sure": SURE,
-        "settled": SETTLED,
-        "most_rounds": MOST_ROUNDS,
-        "yields": YIELDS,
-        "agreement": AGREEMENT,
-        "accuracy": DEFAULT_ACCURACY,
-        "tolerance": DEFAULT_TOLERANCE,
-        "elastic": ELASTIC,
-        "yielding": YIELDING,
-        "damped": DAMPED,
-        "least_restitution": LEAST_RESTITUTION,
-        "most_weight": MOST_WEIGHT,
-        "not_modelled": NOT_MODELLED,
+        **{"grazing": GRAZING, "deeper": DEEPER, "sure": SURE, "settled": SETTLED, "most_rounds": MOST_ROUNDS},
+        **{"yields": YIELDS, "agreement": AGREEMENT, "accuracy": DEFAULT_ACCURACY, "tolerance": DEFAULT_TOLERANCE},
+        **{"elastic": ELASTIC, "yielding": YIELDING, "damped": DAMPED, "least_restitution": LEAST_RESTITUTION},
+        **{"most_weight": MOST_WEIGHT, "not_modelled": NOT_MODELLED, "compared": COMPARED},
         "vibration": support.constants(),
         "ritz": support.ritz_constants(),
         "friction": _friction(),
-        "compared": COMPARED,
     }
 
 
 def _friction() -> dict[str, Any]:
     """The numbers of :mod:`film_model.oblique` and of the strobe picture."""
-    return {
-        "springs": rows.SPRINGS,
-        "steps": rows.STEPS,
-        "safety": rows.SAFETY,
-        "closed": oblique.CLOSED,
-        "open": OPEN,
-        "regimes": REGIMES,
-        "phases": PHASES,
-        "balls": strobe.BALLS,
-        "spacing": strobe.SPACING,
+    return support.numbers_of(rows, ("SPRINGS", "STEPS", "SAFETY")) | {
+        **{"closed": oblique.CLOSED, "open": OPEN, "regimes": REGIMES, "phases": PHASES},
+        **support.numbers_of(strobe, ("BALLS", "SPACING")),
     }

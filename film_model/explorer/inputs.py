@@ -21,27 +21,14 @@ _POSITIVE = (1.0 / 20.0, 20.0)
 """Least and largest value of a slider over the value of the scene."""
 
 LABELS = {
-    "impactor": "impactor",
-    "target": "target",
-    "contact": "contact",
-    "youngs_modulus": "Young's modulus",
-    "poissons_ratio": "Poisson's ratio",
-    "D11": "bending stiffness D11",
-    "D12": "bending stiffness D12",
-    "D22": "bending stiffness D22",
-    "D66": "bending stiffness D66",
-    "target.size.0": "size along x",
-    "target.size.1": "size along y",
-    "target.position.0": "position along x",
-    "target.position.1": "position along y",
+    **{"youngs_modulus": "Young's modulus", "poissons_ratio": "Poisson's ratio"},
+    **{name: f"bending stiffness {name}" for name in ("D11", "D12", "D22", "D66")},
+    **{f"target.{what}.{k}": f"{what} along {axis}" for what in ("size", "position") for k, axis in enumerate("xy")},
 }
 
 RATE_ENTRIES = ("strain_rate_coefficient", "rate_multiplier", "rate_exponent")
 STRENGTH_ENTRIES = ("yield_strength", "hardness", "strain_hardening_exponent")
-MATERIAL_ENTRIES = (
-    *("youngs_modulus", "poissons_ratio", "density", *STRENGTH_ENTRIES, "loss_factor"),
-    *RATE_ENTRIES,
-)
+MATERIAL_ENTRIES = (*("youngs_modulus", "poissons_ratio", "density", *STRENGTH_ENTRIES, "loss_factor"), *RATE_ENTRIES)
 OPTIONAL = (*STRENGTH_ENTRIES, "loss_factor", *RATE_ENTRIES)
 """Entries that may be missing: infinite for the formulas, so that the material does not yield, harden or damp; see also
 `EMPTY`."""
@@ -52,12 +39,8 @@ ALONG = ("impactor.angle", "impactor.spin", "contact.friction")
 PLATE = tuple(f"target.{name}.{side}" for name in ("size", "position") for side in (0, 1))
 """Entries of a plate that may have edges, beside its damping ratio."""
 
-USUAL_SIDE, MOST_DAMPING = 0.3, 0.2
-"""Middle of the slider of the side [m] of a plate that is given without, and end of that of damping ratios."""
-
-MOST_FRICTION, MOST_ROLLING = 1.0, 2.0
-"""Ends of the sliders: of friction, and of spin times radius over the velocity."""
-
+USUAL_SIDE = 0.3
+"""Middle of the slider of the side [m] of a plate that is given without."""
 
 JUDGED = ("work_of_adhesion", "roughness", "fluid_viscosity")
 """Entries of the contact from which effects are estimated that the page does not judge again."""
@@ -165,11 +148,11 @@ def inputs_of(scene: Scene) -> tuple[Input, ...]:
 def along_of(scene: Scene) -> tuple[Input, ...]:
     """Angle, spin and friction: all of them if friction of these bodies is known, otherwise those that are given."""
     ball, contact = scene.impactor, scene.contact
-    rolling = MOST_ROLLING * max(scene.impactor.path_speed, scene.approach_velocity) / ball.radius
+    rolling = 2.0 * max(scene.impactor.path_speed, scene.approach_velocity) / ball.radius
     entries = (
         Input(ALONG[0], ball.FIELDS["angle"], ball.angle, (0.0, STEEPEST)),
         Input(ALONG[1], ball.FIELDS["spin"], ball.spin, (-rolling, rolling)),
-        Input(ALONG[2], contact.FIELDS["friction"], contact.one_friction("the page has"), (0.0, MOST_FRICTION)),
+        Input(ALONG[2], contact.FIELDS["friction"], contact.one_friction("the page has"), (0.0, 1.0)),
     )
     known = contact.effective_modulus is None and stiffness_ratio(scene) is not None
     return tuple(entry for entry in entries if known or entry.value is not None)
@@ -186,7 +169,7 @@ def plate_inputs(target: Plate) -> tuple[Input, ...]:
 
 def damping_input(ratio: float | None) -> Input:
     """The damping ratio of all vibrations of a target."""
-    return Input("target.damping_ratio", measure("dimensionless", 0, 0.999), ratio, (0.0, MOST_DAMPING))
+    return Input("target.damping_ratio", measure("dimensionless", 0, 0.999), ratio, (0.0, 0.2))
 
 
 def _entries(path: str, owner: Any) -> Iterator[Input]:

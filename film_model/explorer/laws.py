@@ -35,20 +35,8 @@ FAMILIES = ("elastic", "yields", "damped")
 ALL_SHAPES = float(EDGES[0]), float(EDGES[-1])
 """Least and largest shape of a law that the page has."""
 
-_PROBES = (0.7, 1.3)
-"""Factors on a value: if the curve stays the same, the value may change on the page."""
-
-ZERO = 0.1
-"""A value in place of 0, of which a factor says nothing."""
-
-_SOFT = 1e6
-"""Compliance of a spring in the law's scales, with which a law is tried that is to follow a static stiffness."""
-
 _OWN_RANGE = (1e-6, 1e6)
 """Range of a law's own parameter, over its value in the scene or in the law's example."""
-
-_OWN_PROBES = (0.7, 0.9)
-"""The same for the laws' own parameters, some of which are fractions."""
 
 
 @dataclass(frozen=True)
@@ -95,7 +83,7 @@ class PageLaw:
         plain = isinstance(value, float) and LAWS[self.name].parameters[name].dimension in DIMENSIONS
         if name == "restitution":
             return plain and value >= LEAST_RESTITUTION
-        return plain and value > 0.0 and not _shapes(self.law, name, _OWN_PROBES)  # a factor says nothing of 0
+        return plain and value > 0.0 and not _shapes(self.law, name, (0.7, 0.9))  # a factor says nothing of 0
 
     def _inputs(self) -> Iterator[Input]:
         for name in self.live:
@@ -149,7 +137,7 @@ class PageLaw:
             "power": None
             if (power := convex_power(curve)) is None
             else [power.slope, power.coefficient, power.exponent],
-            "series": can_be_in_series(self.law, _SOFT),
+            "series": can_be_in_series(self.law, 1e6),
             "remarks": [*self.law.remarks(), *curve.warnings],
             "shape": None if self.page is None else _shape_data(self.page, varying_of(self.law)),
             "needs": [
@@ -218,11 +206,12 @@ def _changed(law: AbstractLaw, name: str, factor: float) -> AbstractLaw:
         if isinstance(value, AbstractLaw):
             changes[field] = _changed(value, name, factor)
         elif field == name:
-            changes[field] = (value or ZERO) * factor
+            # of 0 a factor says nothing
+            changes[field] = (value or 0.1) * factor
     return replace(law, **changes)  # type: ignore[type-var]
 
 
-def _shapes(law: AbstractLaw, name: str, probes: tuple[float, ...] = _PROBES) -> bool:
+def _shapes(law: AbstractLaw, name: str, probes: tuple[float, ...] = (0.7, 1.3)) -> bool:
     """Whether the dimensionless curve depends on a value; of a law with a shape, what it does not compute from n."""
     if page_of(law) is not None and name in (*law.shaped_by, *law.shaped_beside):
         return False

@@ -14,32 +14,22 @@ from typing import Any
 
 from film_model.base.files import written_whole
 from film_model.explorer.content import Content
-from film_model.explorer.examples import EXAMPLES
 from film_model.scene import Scene
 
 FOLDER = Path(__file__).parent / "web"
 WASM = Path(__file__).parent / "_film_core.wasm"
 _COMMENT = re.compile(r"^ *(?://[^\n]*|/\*\*(?:(?!\*/).)*\*/)\n", re.MULTILINE | re.DOTALL)
-SCRIPTS: tuple[str, ...] = (
-    "core",
-    "data",
-    "units",
-    "effects",
-    "solve",
-    "modes",
-    "panels",
-    "plates",
-    "oblique",
-    "state",
-    "studies",
-    "draw",
-    "netcdf",
-    "export",
-    "controls",
-    "parts",
-    "app",
+SCRIPTS = (
+    *("core", "data", "units", "effects", "solve", "modes", "panels", "plates", "oblique"),
+    *("state", "studies", "draw", "netcdf", "export", "controls", "parts", "app"),
 )
 """The files of the page's script, in the order in which they run."""
+
+EXAMPLES = (
+    *("tungsten-carbide-ball", "ball-on-composite-plate", "ball-on-plate", "drop-test-on-glass", "shot-peening"),
+    *("hail", "ball-on-rod", "ball-on-beam", "ball-on-structure", "two-balls"),
+)
+"""The scenes that the page offers under these names, in the folder `scenes`. The first is shown when it opens."""
 
 
 def page(scene: Scene | None = None) -> str:
@@ -89,7 +79,7 @@ def scripts() -> dict[str, str]:
 @cache
 def examples() -> tuple[tuple[str, Scene], ...]:
     """The scenes of the page, by name."""
-    return tuple((name, Scene.from_text(text, name)) for name, text in EXAMPLES.items())
+    return tuple((name, Scene.from_toml(FOLDER.with_name("scenes") / f"{name}.toml")) for name in EXAMPLES)
 
 
 def _script(formulas: str) -> str:

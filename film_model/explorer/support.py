@@ -7,6 +7,7 @@ those numbers of a plate with which all vibrations scale.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import replace
 from typing import Any
 
@@ -16,25 +17,7 @@ from film_model.effects.choose import Choice
 from film_model.effects.edge_effects import CLOSE, SLOW
 from film_model.explorer.inputs import STRENGTH_ENTRIES, Input, damping_input
 from film_model.scene import DEFAULT_ACCURACY, Scene
-from film_model.solve import structures
-from film_model.solve.vibration import (
-    DAMPED_FACTOR,
-    DAMPED_FALL,
-    FIRST_PHASE,
-    FOLLOWED,
-    HIGHEST,
-    IMPULSES,
-    LONGEST,
-    MODES_FACTOR,
-    MODES_FALL,
-    NEGLIGIBLE,
-    REFINED,
-    SLOWEST,
-    STEP,
-    TIGHTEST,
-    UNRESOLVED,
-    vibrate,
-)
+from film_model.solve import structures, vibration
 from film_model.targets import AbstractTarget, Plate, Structure, line_functions, panel_statics, ritz
 from film_model.targets.modes import EQUAL, UNSEEN
 
@@ -46,12 +29,6 @@ ALL = 1e20
 
 MOST_MODES = 4000
 """Largest number of modes on a page: 100 kB."""
-
-MOST_COMPUTED = 10_000
-"""Bound on the number of modes that the page computes itself: 56 MB for their tables."""
-
-MOST_RITZ = 2e8
-"""Largest sum of the cubes of the numbers of functions that interact, of the modes of a plate on the page."""
 
 LIVE_WORK = modal.MOST_WORK / 2
 """Limit of the runs of an impact on the page, about a second: steps times (modes + `modal.MODES_OF_A_STEP`)."""
@@ -115,7 +92,7 @@ def data(choice: Choice) -> tuple[dict[str, Any] | None, str]:
     if choice.problem.stretches:
         return None, f"membrane forces of the {target.kind} are not computed on a page"
     asked = choice.scene.solver.accuracy or DEFAULT_ACCURACY
-    own = vibrate(choice.problem, target, asked, [], recorded=False)[0]
+    own = vibration.vibrate(choice.problem, target, asked, [], recorded=False)[0]
     whole = isinstance(target, Structure)  # all of its vibrations are known
     modes = structures.made(target, ALL, own.unit) if whole else _modes_above(target, own.highest, own.unit)
     if modes.tables.count > MOST_MODES:
@@ -135,52 +112,45 @@ def _modes_above(target: AbstractTarget, needed: float, unit: float) -> structur
     return found if found.tables.count <= MOST_MODES else structures.structure_of(target, needed, unit)
 
 
-def constants() -> dict[str, float]:
+def constants() -> dict[str, Any]:
     """The numbers of :mod:`film_model.solve.vibration` and :mod:`film_model.solve.structures`."""
-    return {
-        "first_phase": FIRST_PHASE,
+    names = (
+        *(
+            "FIRST_PHASE",
+            "DAMPED_FACTOR",
+            "DAMPED_FALL",
+            "MODES_FACTOR",
+            "MODES_FALL",
+            "FOLLOWED",
+            "HIGHEST",
+            "IMPULSES",
+        ),
+        *("IMPULSES", "LONGEST", "NEGLIGIBLE", "REFINED", "SLOWEST", "STEP", "TIGHTEST", "UNRESOLVED"),
+    )
+    return numbers_of(vibration, names) | {
         "above": structures.ABOVE,
-        "damped_factor": DAMPED_FACTOR,
-        "damped_fall": DAMPED_FALL,
-        "factor": MODES_FACTOR,
-        "fall": MODES_FALL,
-        "followed": FOLLOWED,
-        "highest": HIGHEST,
-        "impulses": IMPULSES,
-        "longest": LONGEST,
         "equal": EQUAL,
         "unseen": UNSEEN,
-        "negligible": NEGLIGIBLE,
-        "most_computed": MOST_COMPUTED,
+        "most_computed": 10_000,  # bound on the number of modes that the page computes itself: 56 MB for their tables
         "least_frequency": structures.SLOWEST,
         "modes_of_a_step": modal.MODES_OF_A_STEP,
         "most_work": LIVE_WORK,
-        "refined": REFINED,
         "slow": SLOW,
         "close": CLOSE,
-        "slowest": SLOWEST,
-        "step": STEP,
-        "tightest": TIGHTEST,
-        "unresolved": UNRESOLVED,
     }
+
+
+def numbers_of(module: Any, names: Iterable[str]) -> dict[str, Any]:
+    """Numbers of a module by their names, which on the page are in small letters."""
+    return {name.lower(): getattr(module, name) for name in names}
 
 
 def ritz_constants() -> dict[str, Any]:
     """The numbers of :mod:`film_model.targets.ritz` and :mod:`film_model.targets.panel_statics`."""
-    return {
-        "sharpness": ritz.SHARPNESS,
-        "least": ritz.LEAST,
-        "node": ritz.NODE,
-        "loose": ritz.LOOSE,
-        "beyond": line_functions.BEYOND,
-        "spare": ritz.SPARE,
-        "most_degree": ritz.MOST_DEGREE,
-        "most_waves": ritz.MOST_WAVES,
-        "work_of_a_strip": ritz.WORK_OF_A_STRIP,
-        "fewest": ritz.FEWEST,
-        "most_work": MOST_RITZ,
-        "degree": panel_statics.STATIC_DEGREE,
-        "lower_degrees": panel_statics.LOWER_DEGREES,
-        "remainder": panel_statics.REMAINDER,
-        "levy": panel_statics.LEVY,
-    }
+    names = ("SHARPNESS", "LEAST", "NODE", "LOOSE", "SPARE", "MOST_DEGREE", "MOST_WAVES", "WORK_OF_A_STRIP", "FEWEST")
+    return (
+        numbers_of(ritz, names)
+        | numbers_of(panel_statics, ("STATIC_DEGREE", "LOWER_DEGREES", "REMAINDER", "LEVY"))
+        # largest sum of the cubes of the numbers of functions that interact, of the modes of a plate on the page
+        | {"beyond": line_functions.BEYOND, "most_work": 2e8}
+    )

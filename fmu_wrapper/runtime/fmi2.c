@@ -1,17 +1,10 @@
 /* The functions of FMI 2.0, which call those of instance.h. */
 #include "fmi2Functions.h"
 
-#include "instance.h"
+#define STATUS fmi2Status
+#include "fmi_calls.h"
 
-#include <stdlib.h>
 #include <string.h>
-
-#define HERE __func__
-#define SELF instance *i = c; if (!i) return fmi2Error
-#define NEED(pointer, count) \
-    if ((count) > 0 && !(pointer)) return (fmi2Status)instance_error(i, HERE, "argument %s is NULL", #pointer)
-
-static const char UNSUPPORTED[] = "not supported by this FMU";
 
 /* The text is passed as a printf format: its % signs are doubled. Other formatting is avoided, because some importers do
  * not apply printf. */
@@ -64,76 +57,37 @@ fmi2Status fmi2SetupExperiment(fmi2Component c, fmi2Boolean toleranceDefined, fm
     return (fmi2Status)instance_set_up(i, HERE, startTime, stopTimeDefined, stopTime);
 }
 
-fmi2Status fmi2EnterInitializationMode(fmi2Component c) {
-    SELF;
-    return (fmi2Status)instance_enter_initialization(i, HERE);
-}
-
-fmi2Status fmi2ExitInitializationMode(fmi2Component c) {
-    SELF;
-    return (fmi2Status)instance_exit_initialization(i, HERE);
-}
-
-fmi2Status fmi2Terminate(fmi2Component c) {
-    SELF;
-    return (fmi2Status)instance_terminate(i, HERE);
-}
-
-fmi2Status fmi2Reset(fmi2Component c) {
-    SELF;
-    return (fmi2Status)instance_reset(i, HERE);
-}
+FORWARD(fmi2EnterInitializationMode(fmi2Component c), instance_enter_initialization(i, HERE))
+FORWARD(fmi2ExitInitializationMode(fmi2Component c), instance_exit_initialization(i, HERE))
+FORWARD(fmi2Terminate(fmi2Component c), instance_terminate(i, HERE))
+FORWARD(fmi2Reset(fmi2Component c), instance_reset(i, HERE))
 
 /* ---------------------------------------------------------------- variables */
 
 fmi2Status fmi2GetReal(fmi2Component c, const fmi2ValueReference vr[], size_t nvr, fmi2Real value[]) {
     SELF;
-    NEED(vr, nvr);
-    NEED(value, nvr);
-    for (size_t k = 0; k < nvr; k++)
-        if (instance_get(i, HERE, vr[k], REAL, REAL, &value[k]) != GOOD) return fmi2Error;
-    return fmi2OK;
+    GET_ALL(vr, nvr, value, fmi2Real, REAL, REAL);
 }
 
 fmi2Status fmi2GetInteger(fmi2Component c, const fmi2ValueReference vr[], size_t nvr, fmi2Integer value[]) {
     SELF;
-    NEED(vr, nvr);
-    NEED(value, nvr);
-    for (size_t k = 0; k < nvr; k++) {
-        double number;
-        if (instance_get(i, HERE, vr[k], WHOLE, ENUMERATION, &number) != GOOD) return fmi2Error;
-        value[k] = (fmi2Integer)number;
-    }
-    return fmi2OK;
+    GET_ALL(vr, nvr, value, fmi2Integer, WHOLE, ENUMERATION);
 }
 
 fmi2Status fmi2SetReal(fmi2Component c, const fmi2ValueReference vr[], size_t nvr, const fmi2Real value[]) {
     SELF;
-    if (!instance_allows(i, HERE, INSTANTIATED | INITIALIZATION | RUNNING)) return fmi2Error;
-    NEED(vr, nvr);
-    NEED(value, nvr);
-    for (size_t k = 0; k < nvr; k++)
-        if (instance_set(i, HERE, vr[k], REAL, REAL, value[k]) != GOOD) return fmi2Error;
-    return fmi2OK;
+    SET_ALL(vr, nvr, value, INSTANTIATED | INITIALIZATION | RUNNING, REAL, REAL);
 }
 
 fmi2Status fmi2SetInteger(fmi2Component c, const fmi2ValueReference vr[], size_t nvr, const fmi2Integer value[]) {
     SELF;
-    if (!instance_allows(i, HERE, INSTANTIATED | INITIALIZATION | RUNNING)) return fmi2Error;
-    NEED(vr, nvr);
-    NEED(value, nvr);
-    for (size_t k = 0; k < nvr; k++)
-        if (instance_set(i, HERE, vr[k], WHOLE, ENUMERATION, value[k]) != GOOD) return fmi2Error;
-    return fmi2OK;
+    SET_ALL(vr, nvr, value, INSTANTIATED | INITIALIZATION | RUNNING, WHOLE, ENUMERATION);
 }
 
 /* This FMU has no variables of these types. */
-#define NO_VARIABLES(name, type)                                                                                  \
-    fmi2Status fmi2##name(fmi2Component c, const fmi2ValueReference vr[], size_t nvr, type value[]) {        \
-        SELF;                                                                                                \
-        (void)vr, (void)value;                                                                               \
-        return nvr == 0 ? fmi2OK : (fmi2Status)instance_error(i, HERE, "this FMU has no variables of this type"); \
-    }
+#define NO_VARIABLES(name, type)                                                                       \
+    FORWARD(fmi2##name(fmi2Component c, const fmi2ValueReference vr[], size_t nvr, type value[]),      \
+            ((void)vr, (void)value, nvr == 0 ? fmi2OK : FAIL("this FMU has no variables of this type")))
 NO_VARIABLES(GetBoolean, fmi2Boolean)
 NO_VARIABLES(GetString, fmi2String)
 NO_VARIABLES(SetBoolean, const fmi2Boolean)
@@ -141,52 +95,22 @@ NO_VARIABLES(SetString, const fmi2String)
 
 /* ---------------------------------------------------------------- saved states */
 
-fmi2Status fmi2GetFMUstate(fmi2Component c, fmi2FMUstate *FMUstate) {
-    SELF;
-    return (fmi2Status)instance_save(i, HERE, FMUstate);
-}
-
-fmi2Status fmi2SetFMUstate(fmi2Component c, fmi2FMUstate FMUstate) {
-    SELF;
-    return (fmi2Status)instance_restore(i, HERE, FMUstate);
-}
-
-fmi2Status fmi2FreeFMUstate(fmi2Component c, fmi2FMUstate *FMUstate) {
-    SELF;
-    if (!FMUstate) return fmi2OK;
-    free(*FMUstate);
-    *FMUstate = NULL;
-    return fmi2OK;
-}
-
-fmi2Status fmi2SerializedFMUstateSize(fmi2Component c, fmi2FMUstate FMUstate, size_t *size) {
-    SELF;
-    return (fmi2Status)instance_size(i, HERE, FMUstate, size);
-}
-
-fmi2Status fmi2SerializeFMUstate(fmi2Component c, fmi2FMUstate FMUstate, fmi2Byte serializedState[], size_t size) {
-    SELF;
-    return (fmi2Status)instance_serialize(i, HERE, FMUstate, (unsigned char *)serializedState, size);
-}
-
-fmi2Status fmi2DeSerializeFMUstate(fmi2Component c, const fmi2Byte serializedState[], size_t size, fmi2FMUstate *FMUstate) {
-    SELF;
-    return (fmi2Status)instance_deserialize(i, HERE, (const unsigned char *)serializedState, size, FMUstate);
-}
-
-fmi2Status fmi2GetDirectionalDerivative(fmi2Component c, const fmi2ValueReference vUnknown_ref[], size_t nUnknown,
-                                        const fmi2ValueReference vKnown_ref[], size_t nKnown, const fmi2Real dvKnown[],
-                                        fmi2Real dvUnknown[]) {
-    SELF;
-    return (fmi2Status)instance_derivatives(i, HERE, vUnknown_ref, nUnknown, vKnown_ref, nKnown, dvKnown, dvUnknown, 0);
-}
+FORWARD(fmi2GetFMUstate(fmi2Component c, fmi2FMUstate *FMUstate), instance_save(i, HERE, FMUstate))
+FORWARD(fmi2SetFMUstate(fmi2Component c, fmi2FMUstate FMUstate), instance_restore(i, HERE, FMUstate))
+FORWARD(fmi2FreeFMUstate(fmi2Component c, fmi2FMUstate *FMUstate), instance_free_state(FMUstate))
+FORWARD(fmi2SerializedFMUstateSize(fmi2Component c, fmi2FMUstate FMUstate, size_t *size),
+        instance_size(i, HERE, FMUstate, size))
+FORWARD(fmi2SerializeFMUstate(fmi2Component c, fmi2FMUstate FMUstate, fmi2Byte serializedState[], size_t size),
+        instance_serialize(i, HERE, FMUstate, (unsigned char *)serializedState, size))
+FORWARD(fmi2DeSerializeFMUstate(fmi2Component c, const fmi2Byte serializedState[], size_t size, fmi2FMUstate *FMUstate),
+        instance_deserialize(i, HERE, (const unsigned char *)serializedState, size, FMUstate))
+FORWARD(fmi2GetDirectionalDerivative(fmi2Component c, const fmi2ValueReference vUnknown_ref[], size_t nUnknown,
+        const fmi2ValueReference vKnown_ref[], size_t nKnown, const fmi2Real dvKnown[], fmi2Real dvUnknown[]),
+        instance_derivatives(i, HERE, vUnknown_ref, nUnknown, vKnown_ref, nKnown, dvKnown, dvUnknown, 0))
 
 /* ---------------------------------------------------------------- model exchange */
 
-fmi2Status fmi2EnterEventMode(fmi2Component c) {
-    SELF;
-    return (fmi2Status)instance_enter_event_mode(i, HERE);
-}
+FORWARD(fmi2EnterEventMode(fmi2Component c), instance_enter_event_mode(i, HERE))
 
 fmi2Status fmi2NewDiscreteStates(fmi2Component c, fmi2EventInfo *fmi2eventInfo) {
     SELF;
@@ -198,10 +122,7 @@ fmi2Status fmi2NewDiscreteStates(fmi2Component c, fmi2EventInfo *fmi2eventInfo) 
     return fmi2OK;
 }
 
-fmi2Status fmi2EnterContinuousTimeMode(fmi2Component c) {
-    SELF;
-    return (fmi2Status)instance_leave_event_mode(i, HERE, CONTINUOUS);
-}
+FORWARD(fmi2EnterContinuousTimeMode(fmi2Component c), instance_leave_event_mode(i, HERE, CONTINUOUS))
 
 fmi2Status fmi2CompletedIntegratorStep(fmi2Component c, fmi2Boolean noSetFMUStatePriorToCurrentPoint,
                                        fmi2Boolean *enterEventMode, fmi2Boolean *terminateSimulation) {
@@ -214,35 +135,15 @@ fmi2Status fmi2CompletedIntegratorStep(fmi2Component c, fmi2Boolean noSetFMUStat
     return fmi2OK;
 }
 
-fmi2Status fmi2SetTime(fmi2Component c, fmi2Real time) {
-    SELF;
-    return (fmi2Status)instance_set_time(i, HERE, time);
-}
-
-fmi2Status fmi2SetContinuousStates(fmi2Component c, const fmi2Real x[], size_t nx) {
-    SELF;
-    return (fmi2Status)instance_set_states(i, HERE, x, nx);
-}
-
-fmi2Status fmi2GetDerivatives(fmi2Component c, fmi2Real derivatives[], size_t nx) {
-    SELF;
-    return (fmi2Status)instance_vector(i, HERE, GET_RATES, derivatives, nx);
-}
-
-fmi2Status fmi2GetEventIndicators(fmi2Component c, fmi2Real eventIndicators[], size_t ni) {
-    SELF;
-    return (fmi2Status)instance_vector(i, HERE, GET_INDICATORS, eventIndicators, ni);
-}
-
-fmi2Status fmi2GetContinuousStates(fmi2Component c, fmi2Real x[], size_t nx) {
-    SELF;
-    return (fmi2Status)instance_vector(i, HERE, GET_STATES, x, nx);
-}
-
-fmi2Status fmi2GetNominalsOfContinuousStates(fmi2Component c, fmi2Real x_nominal[], size_t nx) {
-    SELF;
-    return (fmi2Status)instance_vector(i, HERE, GET_NOMINALS, x_nominal, nx);
-}
+FORWARD(fmi2SetTime(fmi2Component c, fmi2Real time), instance_set_time(i, HERE, time))
+FORWARD(fmi2SetContinuousStates(fmi2Component c, const fmi2Real x[], size_t nx), instance_set_states(i, HERE, x, nx))
+FORWARD(fmi2GetDerivatives(fmi2Component c, fmi2Real derivatives[], size_t nx),
+        instance_vector(i, HERE, GET_RATES, derivatives, nx))
+FORWARD(fmi2GetEventIndicators(fmi2Component c, fmi2Real eventIndicators[], size_t ni),
+        instance_vector(i, HERE, GET_INDICATORS, eventIndicators, ni))
+FORWARD(fmi2GetContinuousStates(fmi2Component c, fmi2Real x[], size_t nx), instance_vector(i, HERE, GET_STATES, x, nx))
+FORWARD(fmi2GetNominalsOfContinuousStates(fmi2Component c, fmi2Real x_nominal[], size_t nx),
+        instance_vector(i, HERE, GET_NOMINALS, x_nominal, nx))
 
 /* ---------------------------------------------------------------- co-simulation */
 
@@ -254,7 +155,7 @@ fmi2Status fmi2GetNominalsOfContinuousStates(fmi2Component c, fmi2Real x_nominal
         NEED(order, nvr);                                                                                                 \
         NEED(value, nvr);                                                                                                 \
         for (size_t k = 0; k < nvr; k++)                                                                                  \
-            if (call < 0) return (fmi2Status)instance_error(i, HERE, "%s", i->model.message);                             \
+            if (call < 0) return FAIL("%s", i->model.message);                                                            \
         return fmi2OK;                                                                                                    \
     }
 TIME_DERIVATIVES(fmi2SetRealInputDerivatives, const fmi2Real, model_set_input_rate(&i->model, vr[k], order[k], value[k]))
@@ -268,15 +169,13 @@ fmi2Status fmi2DoStep(fmi2Component c, fmi2Real currentCommunicationPoint, fmi2R
     return (fmi2Status)instance_step(i, HERE, currentCommunicationPoint, communicationStepSize, &event);
 }
 
-fmi2Status fmi2CancelStep(fmi2Component c) {
-    SELF;
-    return (fmi2Status)instance_error(i, HERE, "no step is in progress: fmi2DoStep returns after the step");
-}
+FORWARD(fmi2CancelStep(fmi2Component c),
+        instance_error(i, HERE, "no step is in progress: fmi2DoStep returns after the step"))
 
 fmi2Status fmi2GetRealStatus(fmi2Component c, const fmi2StatusKind s, fmi2Real *value) {
     SELF;
     NEED(value, 1);
-    if (s != fmi2LastSuccessfulTime) return (fmi2Status)instance_error(i, HERE, "only fmi2LastSuccessfulTime is supported");
+    if (s != fmi2LastSuccessfulTime) return FAIL("only fmi2LastSuccessfulTime is supported");
     *value = i->model.memory.time;
     return fmi2OK;
 }
@@ -284,18 +183,15 @@ fmi2Status fmi2GetRealStatus(fmi2Component c, const fmi2StatusKind s, fmi2Real *
 fmi2Status fmi2GetBooleanStatus(fmi2Component c, const fmi2StatusKind s, fmi2Boolean *value) {
     SELF;
     NEED(value, 1);
-    if (s != fmi2Terminated) return (fmi2Status)instance_error(i, HERE, "only fmi2Terminated is supported");
+    if (s != fmi2Terminated) return FAIL("only fmi2Terminated is supported");
     *value = fmi2False;
     return fmi2OK;
 }
 
 /* Not needed: fmi2DoStep never returns fmi2Pending. */
-#define UNSUPPORTED_STATUS(name, type)                                                       \
-    fmi2Status fmi2##name(fmi2Component c, const fmi2StatusKind s, type *value) {   \
-        SELF;                                                                       \
-        (void)s, (void)value;                                                       \
-        return (fmi2Status)instance_error(i, HERE, "%s", UNSUPPORTED);              \
-    }
+#define UNSUPPORTED_STATUS(name, type)                                              \
+    FORWARD(fmi2##name(fmi2Component c, const fmi2StatusKind s, type *value),       \
+            ((void)s, (void)value, FAIL("not supported by this FMU")))
 UNSUPPORTED_STATUS(GetStatus, fmi2Status)
 UNSUPPORTED_STATUS(GetIntegerStatus, fmi2Integer)
 UNSUPPORTED_STATUS(GetStringStatus, fmi2String)

@@ -1,24 +1,12 @@
 /* The functions of FMI 3.0, which call those of instance.h. */
 #include "fmi3Functions.h"
 
-#include "instance.h"
+#define STATUS fmi3Status
+#include "fmi_calls.h"
 
-#include <stdlib.h>
-
-#define HERE __func__
-#define SELF instance *i = c; if (!i) return fmi3Error
-#define NEED(pointer, count) \
-    if ((count) > 0 && !(pointer)) return (fmi3Status)instance_error(i, HERE, "argument %s is NULL", #pointer)
-#define FORWARD(declaration, call) \
-    fmi3Status declaration {       \
-        SELF;                      \
-        return (fmi3Status)call;   \
-    }
 #define CHECK_COUNTS() \
     if (nValues != nValueReferences) \
-    return (fmi3Status)instance_error(i, HERE, "%u values for %u scalar variables", (unsigned)nValues, (unsigned)nValueReferences)
-
-static const char UNSUPPORTED[] = "not supported by this FMU";
+    return FAIL("%u values for %u scalar variables", (unsigned)nValues, (unsigned)nValueReferences)
 
 static void send_message(const instance *i, int status, const char *category, const char *text) {
     fmi3LogMessageCallback logger = (fmi3LogMessageCallback)i->logger;
@@ -98,95 +86,64 @@ FORWARD(fmi3Reset(fmi3Instance c), instance_reset(i, HERE))
 
 /* ---------------------------------------------------------------- variables */
 
-#define GETTER(name, type_name, kind, or_kind)                                                                            \
+#define ACCESS(name, type_name, kind)                                                                                     \
     fmi3Status fmi3Get##name(fmi3Instance c, const fmi3ValueReference valueReferences[], size_t nValueReferences,         \
                              type_name values[], size_t nValues) {                                                        \
         SELF;                                                                                                             \
-        NEED(valueReferences, nValueReferences);                                                                          \
-        NEED(values, nValues);                                                                                            \
-        CHECK_COUNTS();                                                                                                       \
-        for (size_t k = 0; k < nValues; k++) {                                                                            \
-            double number;                                                                                                \
-            if (instance_get(i, HERE, valueReferences[k], kind, or_kind, &number) != GOOD) return fmi3Error;              \
-            values[k] = (type_name)number;                                                                                \
-        }                                                                                                                 \
-        return fmi3OK;                                                                                                    \
-    }
-GETTER(Float64, fmi3Float64, REAL, REAL)
-GETTER(Int32, fmi3Int32, WHOLE, WHOLE)
-GETTER(Int64, fmi3Int64, ENUMERATION, ENUMERATION)
-
-#define SETTER(name, type_name, kind)                                                                                     \
+        CHECK_COUNTS();                                                                                                   \
+        GET_ALL(valueReferences, nValues, values, type_name, kind, kind);                                                 \
+    }                                                                                                                     \
     fmi3Status fmi3Set##name(fmi3Instance c, const fmi3ValueReference valueReferences[], size_t nValueReferences,         \
                              const type_name values[], size_t nValues) {                                                  \
         SELF;                                                                                                             \
-        if (!instance_allows(i, HERE, INSTANTIATED | INITIALIZATION | RUNNING | INTERMEDIATE)) return fmi3Error;          \
-        NEED(valueReferences, nValueReferences);                                                                          \
-        NEED(values, nValues);                                                                                            \
-        CHECK_COUNTS();                                                                                                       \
-        for (size_t k = 0; k < nValues; k++)                                                                              \
-            if (instance_set(i, HERE, valueReferences[k], kind, kind, (double)values[k]) != GOOD) return fmi3Error;       \
-        return fmi3OK;                                                                                                    \
+        CHECK_COUNTS();                                                                                                   \
+        SET_ALL(valueReferences, nValues, values, INSTANTIATED | INITIALIZATION | RUNNING | INTERMEDIATE, kind, kind);    \
     }
-SETTER(Float64, fmi3Float64, REAL)
-SETTER(Int32, fmi3Int32, WHOLE)
-SETTER(Int64, fmi3Int64, ENUMERATION)
+ACCESS(Float64, fmi3Float64, REAL)
+ACCESS(Int32, fmi3Int32, WHOLE)
+ACCESS(Int64, fmi3Int64, ENUMERATION)
 
 /* This FMU has no variables of these types. */
-#define NO_VARIABLES(name, type_name)                                                                                          \
-    fmi3Status fmi3##name(fmi3Instance c, const fmi3ValueReference valueReferences[], size_t nValueReferences,            \
-                          type_name values[], size_t nValues) {                                                           \
-        SELF;                                                                                                             \
-        (void)valueReferences, (void)values;                                                                              \
-        if (nValueReferences == 0 && nValues == 0) return fmi3OK;                                                         \
-        return (fmi3Status)instance_error(i, HERE, "this FMU has no variables of this type");                              \
-    }
-NO_VARIABLES(GetFloat32, fmi3Float32)
-NO_VARIABLES(GetInt8, fmi3Int8)
-NO_VARIABLES(GetUInt8, fmi3UInt8)
-NO_VARIABLES(GetInt16, fmi3Int16)
-NO_VARIABLES(GetUInt16, fmi3UInt16)
-NO_VARIABLES(GetUInt32, fmi3UInt32)
-NO_VARIABLES(GetUInt64, fmi3UInt64)
-NO_VARIABLES(GetBoolean, fmi3Boolean)
-NO_VARIABLES(GetString, fmi3String)
-NO_VARIABLES(SetFloat32, const fmi3Float32)
-NO_VARIABLES(SetInt8, const fmi3Int8)
-NO_VARIABLES(SetUInt8, const fmi3UInt8)
-NO_VARIABLES(SetInt16, const fmi3Int16)
-NO_VARIABLES(SetUInt16, const fmi3UInt16)
-NO_VARIABLES(SetUInt32, const fmi3UInt32)
-NO_VARIABLES(SetUInt64, const fmi3UInt64)
-NO_VARIABLES(SetBoolean, const fmi3Boolean)
-NO_VARIABLES(SetString, const fmi3String)
-
-#define UNSUPPORTED_CALL(arguments, count, ...)                                                            \
-    arguments {                                                                                   \
-        SELF;                                                                                     \
-        (void)valueReferences, __VA_ARGS__;                                                       \
-        return (count) == 0 ? fmi3OK : (fmi3Status)instance_error(i, HERE, "%s", UNSUPPORTED);    \
-    }
-
 #define REFERENCES fmi3Instance c, const fmi3ValueReference valueReferences[], size_t nValueReferences
-UNSUPPORTED_CALL(fmi3Status fmi3GetBinary(REFERENCES, size_t valueSizes[], fmi3Binary values[], size_t nValues), nValueReferences + nValues,
+#define NO_VARIABLES(function, type_name)                                                                                 \
+    FORWARD(function(REFERENCES, type_name values[], size_t nValues),                                                     \
+            ((void)valueReferences, (void)values,                                                                         \
+             nValueReferences == 0 && nValues == 0 ? fmi3OK : FAIL("this FMU has no variables of this type")))
+#define NEITHER(name)                                    \
+    NO_VARIABLES(fmi3Get##name, fmi3##name)              \
+    NO_VARIABLES(fmi3Set##name, const fmi3##name)
+NEITHER(Float32)
+NEITHER(Int8)
+NEITHER(UInt8)
+NEITHER(Int16)
+NEITHER(UInt16)
+NEITHER(UInt32)
+NEITHER(UInt64)
+NEITHER(Boolean)
+NEITHER(String)
+
+#define UNSUPPORTED_CALL(declaration, count, ...)                                                     \
+    FORWARD(declaration, ((void)valueReferences, __VA_ARGS__, (count) == 0 ? fmi3OK : FAIL("not supported by this FMU")))
+
+UNSUPPORTED_CALL(fmi3GetBinary(REFERENCES, size_t valueSizes[], fmi3Binary values[], size_t nValues), nValueReferences + nValues,
         (void)valueSizes, (void)values)
-UNSUPPORTED_CALL(fmi3Status fmi3SetBinary(REFERENCES, const size_t valueSizes[], const fmi3Binary values[], size_t nValues),
+UNSUPPORTED_CALL(fmi3SetBinary(REFERENCES, const size_t valueSizes[], const fmi3Binary values[], size_t nValues),
         nValueReferences + nValues, (void)valueSizes, (void)values)
-UNSUPPORTED_CALL(fmi3Status fmi3GetClock(REFERENCES, fmi3Clock values[]), nValueReferences, (void)values)
-UNSUPPORTED_CALL(fmi3Status fmi3SetClock(REFERENCES, const fmi3Clock values[]), nValueReferences, (void)values)
-UNSUPPORTED_CALL(fmi3Status fmi3GetIntervalDecimal(REFERENCES, fmi3Float64 intervals[], fmi3IntervalQualifier qualifiers[]),
+UNSUPPORTED_CALL(fmi3GetClock(REFERENCES, fmi3Clock values[]), nValueReferences, (void)values)
+UNSUPPORTED_CALL(fmi3SetClock(REFERENCES, const fmi3Clock values[]), nValueReferences, (void)values)
+UNSUPPORTED_CALL(fmi3GetIntervalDecimal(REFERENCES, fmi3Float64 intervals[], fmi3IntervalQualifier qualifiers[]),
         nValueReferences, (void)intervals, (void)qualifiers)
-UNSUPPORTED_CALL(fmi3Status fmi3GetIntervalFraction(REFERENCES, fmi3UInt64 counters[], fmi3UInt64 resolutions[],
+UNSUPPORTED_CALL(fmi3GetIntervalFraction(REFERENCES, fmi3UInt64 counters[], fmi3UInt64 resolutions[],
                                            fmi3IntervalQualifier qualifiers[]),
         nValueReferences, (void)counters, (void)resolutions, (void)qualifiers)
-UNSUPPORTED_CALL(fmi3Status fmi3GetShiftDecimal(REFERENCES, fmi3Float64 shifts[]), nValueReferences, (void)shifts)
-UNSUPPORTED_CALL(fmi3Status fmi3GetShiftFraction(REFERENCES, fmi3UInt64 counters[], fmi3UInt64 resolutions[]), nValueReferences,
+UNSUPPORTED_CALL(fmi3GetShiftDecimal(REFERENCES, fmi3Float64 shifts[]), nValueReferences, (void)shifts)
+UNSUPPORTED_CALL(fmi3GetShiftFraction(REFERENCES, fmi3UInt64 counters[], fmi3UInt64 resolutions[]), nValueReferences,
         (void)counters, (void)resolutions)
-UNSUPPORTED_CALL(fmi3Status fmi3SetIntervalDecimal(REFERENCES, const fmi3Float64 intervals[]), nValueReferences, (void)intervals)
-UNSUPPORTED_CALL(fmi3Status fmi3SetIntervalFraction(REFERENCES, const fmi3UInt64 counters[], const fmi3UInt64 resolutions[]),
+UNSUPPORTED_CALL(fmi3SetIntervalDecimal(REFERENCES, const fmi3Float64 intervals[]), nValueReferences, (void)intervals)
+UNSUPPORTED_CALL(fmi3SetIntervalFraction(REFERENCES, const fmi3UInt64 counters[], const fmi3UInt64 resolutions[]),
         nValueReferences, (void)counters, (void)resolutions)
-UNSUPPORTED_CALL(fmi3Status fmi3SetShiftDecimal(REFERENCES, const fmi3Float64 shifts[]), nValueReferences, (void)shifts)
-UNSUPPORTED_CALL(fmi3Status fmi3SetShiftFraction(REFERENCES, const fmi3UInt64 counters[], const fmi3UInt64 resolutions[]),
+UNSUPPORTED_CALL(fmi3SetShiftDecimal(REFERENCES, const fmi3Float64 shifts[]), nValueReferences, (void)shifts)
+UNSUPPORTED_CALL(fmi3SetShiftFraction(REFERENCES, const fmi3UInt64 counters[], const fmi3UInt64 resolutions[]),
         nValueReferences, (void)counters, (void)resolutions)
 
 fmi3Status fmi3GetOutputDerivatives(REFERENCES, const fmi3Int32 orders[], fmi3Float64 values[], size_t nValues) {
@@ -199,7 +156,7 @@ fmi3Status fmi3GetOutputDerivatives(REFERENCES, const fmi3Int32 orders[], fmi3Fl
     for (size_t k = 0; k < nValues; k++)
         if (!instance_may_get(i, HERE, valueReferences[k])) return fmi3Error;
         else if (model_output_rate(&i->model, valueReferences[k], orders[k], &values[k]) < 0)
-            return (fmi3Status)instance_error(i, HERE, "%s", i->model.message);
+            return FAIL("%s", i->model.message);
     return fmi3OK;
 }
 
@@ -241,7 +198,7 @@ fmi3Status fmi3GetVariableDependencies(fmi3Instance c, fmi3ValueReference depend
     fmi3Status status = dependencies(i, HERE, dependent, &count, NULL, NULL, NULL, NULL);
     if (status != fmi3OK) return status;
     if (count != nDependencies)
-        return (fmi3Status)instance_error(i, HERE, "%u dependencies, but there are %u", (unsigned)nDependencies, (unsigned)count);
+        return FAIL("%u dependencies, but there are %u", (unsigned)nDependencies, (unsigned)count);
     return dependencies(i, HERE, dependent, &count, elementIndicesOfDependent, independents, elementIndicesOfIndependents,
                         dependencyKinds);
 }
@@ -251,7 +208,7 @@ fmi3Status fmi3GetVariableDependencies(fmi3Instance c, fmi3ValueReference depend
                     size_t nKnowns, const fmi3Float64 seed[], size_t nSeed, fmi3Float64 sensitivity[], size_t nSensitivity) { \
         SELF;                                                                                                             \
         if (nSeed != (seeds) || nSensitivity != (results))                                                                \
-            return (fmi3Status)instance_error(i, HERE, "%u seeds and %u sensitivities do not match %u unknowns and %u knowns",    \
+            return FAIL("%u seeds and %u sensitivities do not match %u unknowns and %u knowns",    \
                                               (unsigned)nSeed, (unsigned)nSensitivity, (unsigned)nUnknowns, (unsigned)nKnowns); \
         return (fmi3Status)instance_derivatives(i, HERE, unknowns, nUnknowns, knowns, nKnowns, seed, sensitivity, adjoint); \
     }
@@ -263,14 +220,7 @@ DERIVATIVE(fmi3GetAdjointDerivative, 1, nUnknowns, nKnowns)
 FORWARD(fmi3GetFMUState(fmi3Instance c, fmi3FMUState *FMUState), instance_save(i, HERE, FMUState))
 FORWARD(fmi3SetFMUState(fmi3Instance c, fmi3FMUState FMUState), instance_restore(i, HERE, FMUState))
 
-fmi3Status fmi3FreeFMUState(fmi3Instance c, fmi3FMUState *FMUState) {
-    SELF;
-    if (!FMUState) return fmi3OK;
-    free(*FMUState);
-    *FMUState = NULL;
-    return fmi3OK;
-}
-
+FORWARD(fmi3FreeFMUState(fmi3Instance c, fmi3FMUState *FMUState), instance_free_state(FMUState))
 FORWARD(fmi3SerializedFMUStateSize(fmi3Instance c, fmi3FMUState FMUState, size_t *size),
         instance_size(i, HERE, FMUState, size))
 FORWARD(fmi3SerializeFMUState(fmi3Instance c, fmi3FMUState FMUState, fmi3Byte serializedState[], size_t size),
@@ -372,5 +322,5 @@ fmi3Status fmi3DoStep(fmi3Instance c, fmi3Float64 currentCommunicationPoint, fmi
 fmi3Status fmi3ActivateModelPartition(fmi3Instance c, fmi3ValueReference clockReference, fmi3Float64 activationTime) {
     SELF;
     (void)clockReference, (void)activationTime;
-    return (fmi3Status)instance_error(i, HERE, "Scheduled Execution is not supported by this FMU");
+    return FAIL("Scheduled Execution is not supported by this FMU");
 }

@@ -248,6 +248,11 @@ int instance_restore(instance *i, const char *function, const void *saved) {
     return instance_fail(i, function); /* the mesh does not belong to the restored memory */
 }
 
+int instance_free_state(void **saved) {
+    if (saved) free(*saved), *saved = NULL;
+    return GOOD;
+}
+
 int instance_size(instance *i, const char *function, const void *saved, size_t *size) {
     ALLOW(ANY_MODE);
     if (!saved || !size) return instance_error(i, function, "argument %s is NULL", saved ? "size" : "FMUState");

@@ -84,6 +84,7 @@ int instance_set(instance *i, const char *function, unsigned reference, int type
 
 int instance_save(instance *i, const char *function, void **saved);
 int instance_restore(instance *i, const char *function, const void *saved);
+int instance_free_state(void **saved);
 int instance_size(instance *i, const char *function, const void *saved, size_t *size);
 int instance_serialize(instance *i, const char *function, const void *saved, unsigned char *bytes, size_t size);
 int instance_deserialize(instance *i, const char *function, const unsigned char *bytes, size_t size, void **saved);

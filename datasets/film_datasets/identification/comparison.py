@@ -58,10 +58,6 @@ def compare_laws(
     )
 
 
-ROUNDING = 1e-7
-"""Residual below which two fits are equal: the accuracy of the impacts that are compared."""
-
-
 def _fit(
     measured: xr.Dataset | Sequence[xr.Dataset], scene: Scene, fit: Sequence[str], law: str, options: dict[str, Any]
 ) -> LawFit:
@@ -73,7 +69,8 @@ def _fit(
     n, k = found.points, len(found.parameters) + 1
     residual = math.sqrt(found.square / n)
     correction = 2.0 * k * (k + 1) / (n - k - 1) if n > k + 1 else math.inf
-    criterion = 2.0 * n * math.log(max(residual, ROUNDING)) + 2.0 * k + correction
+    # below 1e-7, the accuracy of the impacts that are compared, two fits are equal
+    criterion = 2.0 * n * math.log(max(residual, 1e-7)) + 2.0 * k + correction
     return LawFit(law, found, residual, criterion)
 
 

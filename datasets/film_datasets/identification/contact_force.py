@@ -13,8 +13,8 @@ import numpy as np
 
 from film_datasets.identification.deconvolution import SHORTEST, Deconvolved, deconvolve
 from film_datasets.identification.sensor_motions import Array, Motions, sensor_motions
-from film_datasets.provenance import provenance, text_and_hash
-from film_datasets.schema import FORCE_INTERVAL, MEASUREMENT, TABLE, content_sha256
+from film_datasets.provenance import dataset_of, text_and_hash
+from film_datasets.schema import FORCE_INTERVAL, MEASUREMENT
 from film_model.base.errors import SimulationError, TooManyModes, shown
 from film_model.base.units import format_si, si_unit
 from film_model.plot.style import COLOURS, HIGHLIGHT, picture, plain, prefixed_unit
@@ -25,13 +25,6 @@ from film_model.targets import AbstractTarget
 if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import Figure
-
-MISFIT, CHANCE = 0.05, 1e-6
-"""Residual over the motion, root mean squares, from which a sensor is doubted if the residual is no noise: the
-probability that the largest line of its spectrum were so large is below `CHANCE`."""
-
-PULLS = 0.05
-"""Share of negative force in its sum of absolute values from which it is doubted."""
 
 MOST_PANELS = 6
 """Sensors in the picture."""
@@ -110,29 +103,22 @@ class IdentifiedForce:
 
     def to_dataset(self) -> xr.Dataset:
         """The force with its interval, of kind impact_measurement, which `identify` takes."""
-        import xarray as xr
-
-        known = {variable.name: variable for variable in TABLE[f"{MEASUREMENT} history"]}
-        names = ("t", "contact_force", *FORCE_INTERVAL)
-        columns = zip(names, (self.time - self.time[0], self.force, self.low, self.high), strict=True)
-        ds = xr.Dataset({name: (("t",), values, known[name].attributes()) for name, values in columns})
-        ds = ds.set_coords(FORCE_INTERVAL)
-        ds.attrs = {
-            **provenance(
-                MEASUREMENT,
-                title=self._title,
-                summary=f"Contact force identified from the motion of {', '.join(self.motions.names)}.",
-                source="regularised deconvolution on the vibrations of the scene's target",
-                command="film_datasets.identify_force",
-                comment=f"The force begins {self.time[0]:g} s after the measurement's time 0. Intervals at "
-                f"{100 * self.confidence:g} %.",
-            ),
+        values = (self.time - self.time[0], self.force, self.low, self.high)
+        columns: dict[str, Any] = dict(zip(("t", "contact_force", *FORCE_INTERVAL), values, strict=True))
+        about = {
+            "title": self._title,
+            "summary": f"Contact force identified from the motion of {', '.join(self.motions.names)}.",
+            "source": "regularised deconvolution on the vibrations of the scene's target",
+            "command": "film_datasets.identify_force",
+            "comment": f"The force begins {self.time[0]:g} s after the measurement's time 0. Intervals at "
+            f"{100 * self.confidence:g} %.",
+        }
+        own = {
             "measured": "history",
             **text_and_hash("scene", self.scene.archived_text()),
             "warnings": "\n".join(self.warnings) or "none",
         }
-        ds.attrs["content_sha256"] = content_sha256(ds)
-        return ds
+        return dataset_of(MEASUREMENT, columns, about, own, f"{MEASUREMENT} history", coordinates=FORCE_INTERVAL)
 
     @property
     def _title(self) -> str:
@@ -172,11 +158,7 @@ class IdentifiedForce:
 
 
 def identify_force(
-    path: str | os.PathLike[str],
-    scene: Scene,
-    confidence: float = 0.99,
-    *,
-    columns: Mapping[str, str] | None = None,
+    path: str | os.PathLike[str], scene: Scene, confidence: float = 0.99, *, columns: Mapping[str, str] | None = None
 ) -> IdentifiedForce:
     """The contact force from measured displacements, velocities or accelerations of the sensors of a scene's target.
 
@@ -264,7 +246,7 @@ def _warnings(found: Deconvolved, motions: Motions, fitted: Array) -> list[str]:
         lines = np.abs(np.fft.rfft(residual)[1 : (residual.size + 1) // 2]) ** 2
         largest = float(lines.max() / lines.sum())
         by_chance = lines.size * (1.0 - largest) ** (lines.size - 1)  # at most: Fisher 1929, Proc. R. Soc. A 125:54
-        if share > MISFIT and by_chance < CHANCE:
+        if share > 0.05 and by_chance < 1e-6:
             line = (int(np.argmax(lines)) + 1) / (residual.size * motions.dt)
             doubted.append(f"{shown(name)} {100 * share:.2g} % of the motion, most at {line / 1e3:.3g} kHz")
     if doubted:
@@ -273,7 +255,7 @@ def _warnings(found: Deconvolved, motions: Motions, fitted: Array) -> list[str]:
             "structure, or a sensor's place or sign"
         )
     pull = float(-np.minimum(found.force, 0.0).sum() / np.abs(found.force).sum())
-    if pull > PULLS:
+    if pull > 0.05:
         said.append(f"{100 * pull:.2g} % of the force pulls, which a contact cannot: it is not that of this contact")
     if found.rows[0] == 0 or found.rows[-1] >= motions.values.shape[1] - found.step:
         said.append("the force lasts from or to an end of the record, where it is taken as 0: record before and after")

@@ -25,13 +25,6 @@ Array = NDArray[np.float64]
 SHORTEST = 4
 """Rows of the shortest half-sine that the force may begin as, and fewest knots of a force."""
 
-AROUND = (0, 2, 8)
-"""Windows of which the likeliest begins the search for the first and the last knot: the best half-sine, with so many
-times its length on both sides, where further contacts may be."""
-
-FINE = 150
-"""Most knots of such a window. A half-sine that is linear between them differs by 6e-5 of its largest value."""
-
 SINGULAR = 1e-15
 """Square of a singular value over the largest that is rounding."""
 
@@ -67,7 +60,8 @@ def deconvolve(responses: Sequence[Array], motions: Sequence[Array]) -> Deconvol
     that rises evenly from 0 a row before the first to 1 in the first, and falls to 0 in the second."""
     first, last = _half_sine(responses, motions)
     width, count = last - first, motions[0].size
-    starts = dict.fromkeys((max(first - k * width, 0), min(last + k * width, count - 1)) for k in AROUND)
+    # with so many times its length on both sides, where further contacts may be
+    starts = dict.fromkeys((max(first - k * width, 0), min(last + k * width, count - 1)) for k in (0, 2, 8))
     return max((_Search(responses, motions, *start) for start in starts), key=lambda one: one.likelihood).best()
 
 
@@ -95,7 +89,8 @@ class _Search:
 
     def __init__(self, responses: Sequence[Array], motions: Sequence[Array], first: int, last: int) -> None:
         width = last - first
-        self.step = -(-width // FINE)
+        # most knots: a half-sine that is linear between them differs by 6e-5 of its largest value
+        self.step = -(-width // 150)
         self.knots = np.arange(max(first - width, self.step), min(last + width, motions[0].size), self.step)
         self.equations = _equations(responses, motions, self.knots, self.step)
         begin, end = (int(np.searchsorted(self.knots, row)) for row in (first, last))

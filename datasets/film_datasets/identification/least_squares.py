@@ -31,13 +31,7 @@ if TYPE_CHECKING:
 TRIED, SEARCHED = 16, 2
 """Points around the scene's values that are tried, and of which a search starts: a power of two, for Sobol's points."""
 
-AROUND = 16.0
-"""The largest factor on positive parameters that is tried; others change by their scale."""
-
 INTERVALS = ("curvature", "profile")
-
-GTOL = 1e-12
-"""Gradient of the sum of squares at which the search ends."""
 
 MARGIN = 1e-9
 """Distance of a start from the bounds, in the scaled parameters."""
@@ -45,21 +39,12 @@ MARGIN = 1e-9
 FAILED_RESIDUAL = 2.0
 """Residual, over the largest measured value, of a point for which the model has no value."""
 
-WIDEST = 0.5
-"""A parameter whose standard error is a larger fraction of it is not identified."""
-
 SINGULAR = 1e-5
 """Directions in parameter space that change the model this much less than the strongest one are not determined by the
 measurement."""
 
 SHARE = 0.05
 """A parameter with at least this component along such a direction is not identified."""
-
-NEAR_BOUND = 1e-6
-"""A fitted parameter this close to a bound, in the scaled parameters, is not identified."""
-
-INFINITE_ERROR = 50.0
-"""Standard error of a scaled parameter from which its interval is infinite: exp of it might overflow."""
 
 
 def identify(
@@ -194,7 +179,7 @@ def _search(fit: _Fit) -> Array:
             "with the values of the scene an impact of the measurement fails: start from better values"
         )
     jacobian: Any = fit.jacobian  # SciPy's annotation allows the name of a difference scheme only
-    ends: Any = {"xtol": fit.numerics.parameters, "ftol": fit.numerics.squares, "gtol": GTOL}
+    ends: Any = {"xtol": fit.numerics.parameters, "ftol": fit.numerics.squares, "gtol": 1e-12}
     results: list[Any] = [least_squares(fit.finite_residuals, z, jacobian, fit.bounds, **ends) for z in _starts(fit)]
     return min(results, key=lambda result: result.cost).x
 
@@ -204,7 +189,8 @@ def _starts(fit: _Fit) -> list[Array]:
     from scipy.stats import qmc  # lazy: importing scipy.stats takes 1 s
 
     low, high = fit.bounds[0] + MARGIN, fit.bounds[1] - MARGIN
-    width = np.array([math.log(AROUND) if p.log else 1.0 for p in fit.parameters])
+    # the largest factor on positive parameters that is tried; others change by their scale
+    width = np.array([math.log(16.0) if p.log else 1.0 for p in fit.parameters])
     points = qmc.Sobol(len(width), rng=1).random(TRIED)
     around = [np.clip(width * (2.0 * point - 1.0), low, high) for point in points]
     around.sort(key=lambda z: float(np.sum(fit.finite_residuals(z) ** 2)))
@@ -266,7 +252,8 @@ def _identification(fit: _Fit, z: Array, confidence: float, intervals: str) -> I
         if intervals == "profile" and not sensitivity.lost[k]:
             profile = Profile(fit.finite_residuals, fit.jacobian, fit.bounds, z, k)
             low, high = map(p.si, profile.interval(rise, quantile * error))
-        elif error < INFINITE_ERROR:
+        # from 50 on, exp of a scaled parameter might overflow
+        elif error < 50.0:
             low, high = p.si(value - quantile * error), p.si(value + quantile * error)
         else:
             low, high = 0.0 if p.log else -math.inf, math.inf
@@ -290,8 +277,8 @@ def _reason(fit: _Fit, k: int, z: Array, sensitivity: _Sensitivity) -> str:
         others = [p.path for j, p in enumerate(fit.parameters) if j != k and shares[j] > SHARE]
         return f"only together with {' and '.join(others)}: a change of one can be compensated by the other"
     low, high = fit.bounds
-    if min(z[k] - low[k], high[k] - z[k]) < NEAR_BOUND:
+    if min(z[k] - low[k], high[k] - z[k]) < 1e-6:
         return "the best value is at the end of its range"
-    if sensitivity.errors[k] > WIDEST:
+    if sensitivity.errors[k] > 0.5:
         return f"its standard error is {100 * sensitivity.errors[k]:.0f} % of it"
     return ""

@@ -22,15 +22,6 @@ STIFFNESS, EXPONENT = "contact.stiffness", "contact.exponent"
 if TYPE_CHECKING:
     import xarray as xr
 
-LARGEST = 1e30
-"""Bound for parameters without one."""
-
-OPEN_END = 1e-9
-"""Distance that the search keeps from the open end of a range, relative to its value or to 1e-3."""
-
-SMALLEST = 1e-9
-"""Lower bound of a positive parameter, relative to its start value."""
-
 
 @dataclass(frozen=True)
 class Parameter:
@@ -150,9 +141,10 @@ def _parameter(scene: Scene, path: str) -> Parameter:
     field = _field(scene, path, (STIFFNESS,))
     assert field is not None and field.low is not None and field.high is not None
     start, unit = float(value), unit_of(scene, field)
-    low, high = max(float(field.low), -LARGEST), min(float(field.high), LARGEST)
+    low, high = max(float(field.low), -1e30), min(float(field.high), 1e30)
     if field.open_ends:
-        low, high = low + OPEN_END * max(abs(low), 1e-3), high - OPEN_END * max(abs(high), 1e-3)
+        # the search keeps a distance from an open end
+        low, high = low + 1e-9 * max(abs(low), 1e-3), high - 1e-9 * max(abs(high), 1e-3)
     if low >= 0.0 and start > 0.0 and field.dimension != "dimensionless":
-        return Parameter(path, field.dimension, unit, start, start, True, max(low, SMALLEST * start), high)
+        return Parameter(path, field.dimension, unit, start, start, True, max(low, 1e-9 * start), high)
     return Parameter(path, field.dimension, unit, start, abs(start) or 1.0, False, low, high)

@@ -10,17 +10,8 @@ import numpy as np
 
 from film_datasets.identification.model import NUMERICS, Array
 
-DOUBLINGS = 12
-"""How often the distance from the best value is doubled until the sum of squares has risen enough."""
-
-TOLERANCE = 1e-3
-"""Of the ends, relative to the distance from the best value at which the search for them starts."""
-
-NARROWEST, WIDEST = 1e-9, 1.0
-"""First distance at least and at most, in the scaled parameters."""
-
-MARGIN, XTOL = 1e-9, 1e-8
-"""Distance from the bounds, where rounding might make a value invalid; and the end of the search over the others."""
+MARGIN = 1e-9
+"""Distance from the bounds, where rounding might make a value invalid."""
 
 
 class Profile:
@@ -56,11 +47,11 @@ class Profile:
         from scipy.optimize import brentq  # lazy: importing scipy.optimize takes 1 s
 
         self._z = self._best.copy()
-        near, distance = float(self._best[self._k]), min(max(step, NARROWEST), WIDEST)
-        for _ in range(DOUBLINGS):
+        near, distance = float(self._best[self._k]), min(max(step, 1e-9), 1.0)
+        for _ in range(12):
             far = min(max(near + side * distance, self._ends[0]), self._ends[1])
             if self._excess(far, rise) > 0.0:
-                root: Any = brentq(self._excess, near, far, args=(rise,), xtol=TOLERANCE * distance)
+                root: Any = brentq(self._excess, near, far, args=(rise,), xtol=1e-3 * distance)
                 return float(root)
             if far in self._ends:
                 break
@@ -75,7 +66,7 @@ class Profile:
         if self._others.any():
             start = np.clip(self._z[self._others], self._limits[0] + MARGIN, self._limits[1] - MARGIN)
             slopes: Any = self._slopes  # SciPy's annotation allows the name of a difference scheme only
-            fitted = least_squares(self._rest, start, slopes, self._limits, xtol=XTOL)
+            fitted = least_squares(self._rest, start, slopes, self._limits, xtol=1e-8)
             self._z[self._others] = fitted.x
         found = self._residuals(self._z)
         return float(found @ found) - rise * self._least

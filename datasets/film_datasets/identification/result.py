@@ -26,11 +26,6 @@ if TYPE_CHECKING:
 TIME_OFFSET = "time_offset"
 """A parameter of the measurement, not of the scene: time of its first touch, s."""
 
-SIZE = (7.2, 5.2)  # inches
-
-FINE_POINTS, FEW_POINTS = 501, 61
-"""Points of the fitted curve in the figure; fewer over the angle, where impacts are simulated one by one."""
-
 ALONG = {"t": "time", "impactor_velocity": "velocity", "impactor_angle": "angle"}
 """Words, and dimensions, of what measurements are made over."""
 
@@ -146,7 +141,7 @@ class Identification:
         """Measurement and fitted model, and below them their difference; a column for every measured quantity of every
         measurement."""
         columns = sum(len(case.names) for case in self.cases)
-        return picture(path, self._draw, (SIZE[0] * max(1.0, 0.5 * columns), SIZE[1]), dpi)
+        return picture(path, self._draw, (7.2 * max(1.0, 0.5 * columns), 5.2), dpi)
 
     def _draw(self, figure: Figure) -> None:
         ratios: dict[str, Any] = {"height_ratios": (3, 1), "hspace": 0.08, "wspace": 0.35}
@@ -155,7 +150,8 @@ class Identification:
         for column, (case, name) in enumerate(pairs):
             along, _ = measured_over(case.measured)
             x, values = case.measured[along].values, case.measured[name].values
-            fine = np.linspace(x.min(), x.max(), FEW_POINTS if along == "impactor_angle" else FINE_POINTS)
+            count = 61 if along == "impactor_angle" else 501  # over the angle, impacts are simulated one by one
+            fine = np.linspace(x.min(), x.max(), count)
             curve, at_points = (case.predict(self.scene, points)[name] for points in (fine, x))
             x_size, x_unit = prefixed_unit(x, ALONG[along])
             size, unit = prefixed_unit(finite(case.measured[name]), DIMENSIONS_OF_QUANTITIES[name])

@@ -18,9 +18,6 @@ Array = NDArray[np.float64]
 
 FEWEST_TIMES, MOST_TIMES = 20, 20_000
 
-EVEN = 0.1
-"""Largest difference of a time from an even one, over the distance of times: files round them."""
-
 
 class Motions(NamedTuple):
     """Motions of sensors at even times. begin, dt: s. names: of the sensors. quantities: "acceleration" and so on.
@@ -64,7 +61,8 @@ def sensor_motions(
         raise SceneError([Mistake(file, None, "", what)])
     times = values.pop("t")
     dt = float(times[-1] - times[0]) / (times.size - 1)
-    uneven = np.abs(times - times[0] - dt * np.arange(times.size)) > EVEN * abs(dt)
+    # files round times: a tenth of their distance is allowed
+    uneven = np.abs(times - times[0] - dt * np.arange(times.size)) > 0.1 * abs(dt)
     for key, one in {"t": np.where(uneven, np.nan, times), **values}.items():
         if (wrong := np.flatnonzero(~np.isfinite(one))).size or dt <= 0.0:
             what = "the times must be evenly spaced" if key == "t" else f"{shown(key)} has no value"

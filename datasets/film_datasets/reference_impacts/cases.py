@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import math
+import tomllib
 from collections.abc import Iterator, Mapping
 from functools import lru_cache
 from itertools import product
+from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -17,40 +19,18 @@ from film_model.laws.example_ball import STEEL_BALL, example_law
 from film_model.scene import Scene
 from film_model.scene.chain import Chain
 
-ACCURACY = {"chain": 1e-9, "structure": 1e-10, "beam": 1e-5, "rod": 1e-5, "plate": 1e-5, "viscoelastic": 1e-9}
+_TABLE: dict[str, Any] = tomllib.loads(Path(__file__).with_suffix(".toml").read_text("utf-8"))
+
+ACCURACY: dict[str, float] = _TABLE["accuracy"]
 """Accuracy of the march that a target with edges or a material allows: every decimal of a target with edges takes about
 four times as many modes. Of all others `FINEST`."""
 
 FINEST = 1e-11
 
-STEEL = {
-    **{"youngs_modulus": "209.3e9 Pa", "poissons_ratio": 0.3, "density": "7850 kg/m^3"},
-    "yield_strength": "0.5e9 Pa",
-}
-POLYMER = {"youngs_modulus": "3e9 Pa", "poissons_ratio": 0.35, "density": "1050 kg/m^3", "yield_strength": "60e6 Pa"}
-RUBBER = {"youngs_modulus": "50e6 Pa", "poissons_ratio": 0.49, "density": "1100 kg/m^3"}
-GRANITE = {"youngs_modulus": "60e9 Pa", "poissons_ratio": 0.25, "density": "2650 kg/m^3"}
-ALUMINA = {"youngs_modulus": "380e9 Pa", "poissons_ratio": 0.23, "density": "4000 kg/m^3"}
-GLASS = {"youngs_modulus": "70e9 Pa", "poissons_ratio": 0.25, "density": "2500 kg/m^3"}
+STEEL, POLYMER, RUBBER, GRANITE, ALUMINA, GLASS = _TABLE["materials"].values()
 
-TARGETS: dict[str, dict[str, Any]] = {
-    "half-space": {"kind": "half-space", "material": STEEL},
-    "body": {"kind": "body", "radius": "0.015 m", "material": STEEL},
-    "plate": {"kind": "plate", "thickness": "0.01 m", "material": STEEL},
-    "rod": {"kind": "rod", "diameter": "0.02 m", "material": STEEL},
-}
-"""Targets without edges: a plate and a rod without end move by their impedance."""
-
-EDGES: dict[str, dict[str, Any]] = {
-    "beam": {"kind": "beam", "width": "0.02 m", "thickness": "0.01 m", "length": "0.3 m", "material": STEEL},
-    "rod": {"kind": "rod", "diameter": "0.02 m", "length": "0.1 m", "material": STEEL},
-    "plate": {"kind": "plate", "thickness": "0.006 m", "size": ["0.1 m", "0.08 m"], "material": STEEL},
-    "structure": {
-        **{"kind": "structure", "frequency": ["182 Hz", "417 Hz", "1300 Hz"], "material": STEEL},
-        "modal_mass": ["0.91 kg", "1.4 kg", "0.3 kg"],
-    },
-}
-"""Targets that vibrate."""
+TARGETS, EDGES = ({name: {**on, "material": STEEL} for name, on in _TABLE[key].items()} for key in ("targets", "edges"))
+"""Targets without edges, and those that vibrate."""
 
 ADHESIVE = ("jkr", "dmt", "thornton-ning")
 
@@ -182,7 +162,7 @@ def _chain(name: str, table: Mapping[str, Any]) -> Case:
 def _published() -> Iterator[Case]:
     """Chung & Ooi 2011, Granular Matter 13:643: tests 1 and 2; 3 with Tsuji's damping; 4 (Kharaz, Gorham & Salman 2001)
     to 8 undamped."""
-    for (name, *values), test in zip(_CHUNG_OOI, (1, 1, 2, 2), strict=True):
+    for (name, values), test in zip(_TABLE["chung_ooi"].items(), (1, 1, 2, 2), strict=True):
         modulus, ratio, density, radius, speed = values
         own = {"youngs_modulus": f"{modulus!r} Pa", "poissons_ratio": ratio, "density": f"{density!r} kg/m^3"}
         rigid = {"effective_modulus": f"{modulus / (1.0 - ratio**2)!r} Pa"} if test == 2 else {}
@@ -222,15 +202,6 @@ def _spinning() -> Iterator[Case]:
         yield _case(f"chung-ooi-{test}-{angle}deg", "oblique", target, contact, ball | spin)
     twin = {"kind": "body", "radius": "0.1 m", "material": alloy, "spin": "-2.0 rad/s"}
     yield _case("chung-ooi-7", "published", twin, contact, ball | {"spin": "2.0 rad/s"})
-
-
-_CHUNG_OOI = (
-    ("glass", 48e9, 0.2, 2800.0, 0.01, 20.0),
-    ("limestone", 20e9, 0.25, 2500.0, 0.01, 20.0),
-    ("aluminium", 70e9, 0.3, 2699.0, 0.1, 0.2),
-    ("magnesium", 40e9, 0.35, 1800.0, 0.1, 0.2),
-)
-"""Name, Young's modulus [Pa], Poisson's ratio, density [kg/m³], radius [m] and velocity [m/s] of tests 1 and 2."""
 
 
 def _si(speed: float) -> str:

@@ -44,14 +44,8 @@ FILES = Path(__file__).parent / "files"
 DIGITS = 10
 """Most digits of a value."""
 
-SAMPLES = 201
-"""Even times of a history, beside its events."""
-
 BOUNCES = 4
 """Bounces of a bouncing case."""
-
-IN_CONTACT, IN_FLIGHT = 41, 12
-"""Times of each contact and flight of a bouncing case."""
 
 LEAST = 1e-3
 """The error of a velocity or length is relative to at least this part of the approach velocity or of the indentation;
@@ -202,11 +196,11 @@ def bouncing_motion(bounces: Bounces, accuracy: float, times: Any) -> dict[str, 
 
 
 def bouncing_times(bounces: Bounces) -> list[float]:
-    """Even times in each contact and flight of the first bounces, s."""
+    """41 even times in each contact and 12 in each flight of the first bounces, s."""
     times = list[float]()
     for one, following in zip(bounces.bounces[:BOUNCES], bounces.bounces[1:], strict=False):
         end = one.time + (one.contact_duration or 0.0)
-        times += [*np.linspace(one.time, end, IN_CONTACT), *np.linspace(end, following.time, IN_FLIGHT + 2)[1:-1]]
+        times += [*np.linspace(one.time, end, 41), *np.linspace(end, following.time, 14)[1:-1]]
     return times
 
 
@@ -305,6 +299,6 @@ def _write_case(root: Path, case: Case) -> str:
     _write(path / "summary.json", json.dumps(made.to_dict(), indent=1, ensure_ascii=False, allow_nan=False) + "\n")
     motion = made.motion
     bounces = isinstance(motion, Bounces)
-    table = _bouncing_table(motion, case.accuracy) if bounces else to_frame(to_dataset(motion, samples=SAMPLES))
+    table = _bouncing_table(motion, case.accuracy) if bounces else to_frame(to_dataset(motion, samples=201))
     _write(path / "reference.csv", table.to_csv(index=False, float_format=f"%.{DIGITS}g", lineterminator="\n"))
     return case.name

@@ -8,15 +8,8 @@ from film_datasets.schema.derivative_variables import (
     differentiated,
     side_name,
 )
-from film_datasets.schema.motion_variables import (
-    BRANCHES,
-    EQUATIONS_ON_MODES,
-    MODE_ENERGY,
-    RAGGED,
-    SHARED,
-    WIDE,
-    branch_words,
-)
+from film_datasets.schema.motion_variables import EQUATIONS_ON_MODES, MODE_ENERGY, RAGGED, SHARED, WIDE, branch_words
+from film_datasets.schema.rows import BRANCHES, IMPACT_STATUSES, MEASURED_MOTION, OUT_OF_RANGE
 from film_datasets.schema.sensor_variables import FORCE_INTERVAL, peak_name, peak_variables
 from film_datasets.schema.tables import (
     ADDED,
@@ -27,11 +20,8 @@ from film_datasets.schema.tables import (
     CONSTANTS,
     COST,
     HISTORY,
-    IMPACT_STATUSES,
     MEASURED_CONDITIONS,
-    MEASURED_MOTION,
     MEASUREMENT,
-    OUT_OF_RANGE,
     SCENE_KEY,
     SWEEP,
     TABLE,

@@ -1,4 +1,4 @@
-"""The tables of variables and attributes of our datasets, generated from those of the summary and the motion.
+"""The tables of variables and attributes of our datasets; the variables are in `variables.csv`.
 
 Kinds: the history of one impact, all bounces of a ball, a chain of bodies, a sweep over many impacts, a measurement to
 compare with, and the cost of accuracy.
@@ -14,39 +14,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from film_datasets.schema.chain_variables import CHAINS
-from film_datasets.schema.contact_variables import CONTACTS
 from film_datasets.schema.derivative_variables import derivatives_in
-from film_datasets.schema.finite_element_variables import FINITE_ELEMENT_PAIRS, FINITE_ELEMENTS
-from film_datasets.schema.friction_variables import IN_HISTORIES, IN_STEPS, IN_SWEEPS
-from film_datasets.schema.motion_variables import (
-    MODE_ENERGY,
-    SEGMENT_PLACES,
-    SEGMENTS,
-    STEP_PLACES,
-    STEPS,
-    number,
-    segment_units,
-    spaced,
-    stage,
-)
-from film_datasets.schema.sensor_variables import FORCE_INTERVAL, IDENTIFIED, SENSED, STRAINED, peaks_in
-from film_datasets.schema.variable import (
-    BYTE,
-    FLOAT,
-    IMPACTS,
-    INTEGER,
-    TEXT,
-    Variable,
-    swept_name,
-    swept_variables,
-)
-from film_model.base.errors import STATUSES
-from film_model.core.native import EVENTS
+from film_datasets.schema.rows import OUT_OF_RANGE, PARTS
+from film_datasets.schema.sensor_variables import FORCE_INTERVAL, peaks_in
+from film_datasets.schema.variable import Variable, swept_name, swept_variables
 from film_model.oblique.result import OBLIQUE
-from film_model.solve.bounce import COLUMNS
-from film_model.solve.history import MOTION, SUMMARY
-from film_model.studies.reference import COMPARED
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -58,25 +30,61 @@ _STRESSES = (
     *("maximum_von_mises_stress", "depth_of_maximum_stress"),
 )
 
-_STEPS = tuple(variable.name for variable in (*STEP_PLACES, *STEPS))
-_IN_HISTORIES, _IN_SWEEPS, _IN_STEPS, _OF_CONTACTS, _SENSED, _STRAINED = (
-    tuple(v.name for v in variables) for variables in (IN_HISTORIES, IN_SWEEPS, IN_STEPS, CONTACTS, SENSED, STRAINED)
-)
+
+def _of_one(*parts: str) -> tuple[Variable, ...]:
+    """The variables of parts for one impact."""
+    return tuple(variable.over(()) for part in parts for variable in PARTS[part])
+
+
+_UNITS = tuple(replace(variable, optional=True) for variable in PARTS["segment units"])
+
+TABLE: dict[str, tuple[Variable, ...]] = {
+    HISTORY: _of_one("history", "summary", "segment units", "segments"),
+    f"{HISTORY} steps": _of_one("steps", "mode energy"),
+    f"{HISTORY} friction": _of_one("friction", "friction in histories"),
+    **{f"{HISTORY} {part}": PARTS[part] for part in ("contacts", "sliding", "sensors", "strains")},
+    SWEEP: (*PARTS["summary"], *PARTS["sweep"]),
+    f"{SWEEP} segments": (*PARTS["segment places"], *_UNITS, *PARTS["segments"]),
+    f"{SWEEP} steps": (*PARTS["step places"], *PARTS["steps"]),
+    **{f"{SWEEP} {part}": PARTS[part] for part in ("friction", "samples")},
+    **{f"{MEASUREMENT} {kind}": PARTS[f"measured {kind}"] for kind in ("history", "impacts", "values")},
+    f"{MEASUREMENT} finite_elements": PARTS["finite elements"],
+    f"{MEASUREMENT} finite_element_pairs": PARTS["finite element pairs"],
+    **{BOUNCES: PARTS["bounces"], CHAIN: PARTS["chain"], COST: PARTS["cost"]},
+}
+"""Variables by the kind of dataset and what is kept in it, in the order in which `content_sha256` reads them."""
+
+CONSTANTS = PARTS["constants"]
+"""Values of the scene that a dataset has if they are known and, in a sweep, the same for all impacts."""
+
+SCENE_KEY = next(variable for variable in PARTS["sweep"] if variable.name == "scene_key")
+
+CHOOSABLE = tuple(v.name for key in (SWEEP, f"{SWEEP} friction") for v in TABLE[key] if v.optional)
+"""The variables of which a sweep may keep some only; the others say how each impact ended and to what it belongs."""
+
+MEASURED_CONDITIONS = ("impactor_velocity", "impactor_angle", "impactor_spin")
+"""Variables of measured impacts that are given, not measured; the first is always there."""
+
+
+def _names(*keys: str) -> tuple[str, ...]:
+    """The names of the variables of `TABLE` at some keys."""
+    return tuple(variable.name for key in keys for variable in TABLE[key])
+
 
 ADDED: dict[str, dict[str, tuple[str, ...]]] = {
     HISTORY: {
         **{"1.1": (), "1.2": _STRESSES, "1.3": ()},
-        "1.4": (*_STEPS, MODE_ENERGY.name),
-        "1.5": (*_IN_HISTORIES, *_OF_CONTACTS, *_IN_STEPS),
-        "1.6": _SENSED,
-        "1.7": _STRAINED,
+        "1.4": (*_names(f"{SWEEP} steps"), "mode_energy"),
+        "1.5": _names(*(f"{HISTORY} {part}" for part in ("friction", "contacts", "sliding"))),
+        "1.6": _names(f"{HISTORY} sensors"),
+        "1.7": _names(f"{HISTORY} strains"),
     },
     SWEEP: {
         "1.0": (),
         "1.1": ("estimated_accuracy", *_STRESSES),
         "1.2": ("scene_key",),
-        **{"1.3": (), "1.4": (), "1.5": _STEPS},
-        "1.6": _IN_SWEEPS,
+        **{"1.3": (), "1.4": (), "1.5": _names(f"{SWEEP} steps")},
+        "1.6": _names(f"{SWEEP} friction"),
         "1.7": (),
     },
     MEASUREMENT: {
@@ -93,209 +101,6 @@ the variables that it added, so that files written before remain valid."""
 
 VERSIONS = {kind: list(versions)[-1] for kind, versions in ADDED.items()}
 """The version of each kind that is written."""
-
-IMPACT_STATUSES = {code: status for code, status in sorted(STATUSES.items()) if status.of_row}
-"""The statuses that an impact of a sweep can have, besides those of values that are out of range."""
-
-OUT_OF_RANGE = max(IMPACT_STATUSES) + 1
-"""Status of an impact whose value of the first swept quantity is out of range, +1 for the second, and so on."""
-
-
-_ABSENT = "NaN if there is none"
-
-
-def _summary_variables(dims: tuple[str, ...]) -> tuple[Variable, ...]:
-    """A variable for each value of film_model's summary."""
-    return tuple(
-        number(name, dims, dimension, spaced(name), f"{what.partition(';')[0]}; {_ABSENT}", optional=True)
-        for name, (dimension, what) in SUMMARY.items()
-    )
-
-
-_HISTORY = (
-    number("t", ("t",), "time", "time since first touch", "even samples and the times of all events"),
-    *(number(name, ("t",), dimension, spaced(name), what) for name, (dimension, what) in MOTION.items()),
-    stage("stage", ("t",), "stage of the contact law"),
-    Variable("event_kind", ("event",), BYTE, None, "kind of event", flags=tuple(enumerate(EVENTS))[1:]),
-    number("event_time", ("event",), "time", "time of the event since first touch", "lies exactly on t"),
-    *(
-        number(f"event_{name}", ("event",), dimension, f"{spaced(name)} at the event", what)
-        for name, (dimension, what) in MOTION.items()
-    ),
-    stage("event_stage", ("event",), "stage of the contact law after the event"),
-    *_summary_variables(()),
-    *segment_units(()),
-    *SEGMENTS,
-)
-
-CONSTANTS = (
-    number("mass", (), "mass", "mass of the impactor"),
-    number("radius", (), "length", "radius of the impactor"),
-    number("approach_velocity", (), "velocity", "velocity towards the target when contact begins"),
-    number("effective_modulus", (), "pressure", "effective contact modulus"),
-    number("yield_strength", (), "pressure", "yield strength"),
-    number("impact_energy", (), "energy", "kinetic energy of the approach"),
-    Variable("contact_law_name", (), TEXT, None, "contact law"),
-)
-"""Values of the scene that a dataset has if they are known and, in a sweep, the same for all impacts."""
-
-SCENE_KEY = Variable(
-    *("scene_key", (IMPACTS,), INTEGER, None, "number of the scene, and of what is swept in words"),
-    comment="31 bits of a hash: rows with another one belong to another scene than that in scene_toml",
-)
-
-_SWEEP = (
-    *_summary_variables((IMPACTS,)),
-    Variable(
-        *("status", (IMPACTS,), BYTE, None, "how the impact ended"),
-        comment="attribute statuses says each in a sentence; the summary of an impact that failed is NaN",
-        flags=tuple((code, status.word) for code, status in IMPACT_STATUSES.items()),
-        more="out_of_range",
-        more_from=OUT_OF_RANGE,
-    ),
-    Variable(
-        *("zener_number", (IMPACTS,), FLOAT, "1", "inelasticity parameter of Zener"),
-        comment="(4 E/3)^(2/5) R^(1/5) m^(3/5) V^(1/5)/Z: what target motion costs; NaN without elastic constants",
-        optional=True,
-    ),
-    Variable("law", (IMPACTS,), BYTE, None, "contact law", flags=((-1, "none"),), more="laws"),
-    Variable(
-        *("estimated_accuracy", (IMPACTS,), FLOAT, "1", "estimated relative error of the summary"),
-        comment="bound on the relative error of every summary value of the impact; NaN if it failed",
-        optional=True,
-    ),
-    SCENE_KEY,
-)
-
-CHOOSABLE = tuple(variable.name for variable in (*_SWEEP, *IN_SWEEPS) if variable.optional)
-"""The variables of which a sweep may keep some only; the others say how each impact ended and to what it belongs."""
-
-_SWEEP_SEGMENTS = (
-    *SEGMENT_PLACES,
-    *segment_units((IMPACTS,), optional=True),
-    *SEGMENTS,
-)
-
-_SWEEP_SAMPLES = (
-    number("normalised_time", ("normalised_time",), "dimensionless", "time over contact duration"),
-    *(
-        number(f"sampled_{name}", (IMPACTS, "normalised_time"), dimension, f"{spaced(name)} over time", what, True)
-        for name, (dimension, what) in MOTION.items()
-    ),
-)
-
-MEASURED_MOTION = {
-    **MOTION,
-    "impactor_acceleration": (
-        "acceleration",
-        "as an accelerometer on the impactor reads it, positive into the target: less contact force over mass",
-    ),
-}
-"""Quantities of a measured history: dimension and description."""
-
-_MEASURED_HISTORY = (
-    number("t", ("t",), "time", "time since first touch"),
-    *(
-        number(name, ("t",), dimension, f"measured {spaced(name)}", f"{what}; {_ABSENT}", True)
-        for name, (dimension, what) in MEASURED_MOTION.items()
-    ),
-    *IDENTIFIED,
-)
-
-_MEASURED_IMPACTS = (
-    number("impactor_velocity", ("impact",), "velocity", "impactor velocity at first touch"),
-    number("impactor_angle", ("impact",), "angle", "between the path and the normal at first touch", optional=True),
-    number("impactor_spin", ("impact",), "angular_frequency", "spin at first touch", "adds to sliding", optional=True),
-    *(replace(variable, long_name=f"measured {variable.long_name}") for variable in _summary_variables(("impact",))),
-    *(
-        number(name, ("impact",), dimension, f"measured {spaced(name)}", f"{what.partition(';')[0]}; {_ABSENT}", True)
-        for name, (dimension, what) in OBLIQUE.items()
-    ),
-)
-MEASURED_CONDITIONS = ("impactor_velocity", "impactor_angle", "impactor_spin")
-"""Variables of measured impacts that are given, not measured; the first is always there."""
-
-EVIDENCE_QUANTITIES = (
-    *("coefficient_of_restitution", "maximum_force", "maximum_indentation"),
-    *("time_of_maximum_indentation", "contact_duration", "dent_diameter", "permanent_indentation"),
-)
-EVIDENCE_KINDS = ("measured", "finite_element", "theory", "same_law", "own_fit")
-EVIDENCE_SURENESS = ("table", "figure", "formula", "text", "conversion")
-EVIDENCE_MATTER = ("metal", "brittle", "polymer")
-
-_EVIDENCE = (
-    Variable("quantity", ("row",), BYTE, None, "what the value is", flags=tuple(enumerate(EVIDENCE_QUANTITIES))),
-    Variable(
-        *("value", ("row",), FLOAT, None, "value of the quantity"),
-        comment="SI: 1 for a coefficient of restitution, N, m and s for the others",
-    ),
-    number("uncertainty", ("row",), "dimensionless", "relative uncertainty of the value", "NaN: not given", True),
-    number("input_uncertainty", ("row",), "dimensionless", "of the hardness or strength", "NaN: not known", True),
-    Variable("source_of_value", ("row",), BYTE, None, "source", "attribute sources has the references", more="sources"),
-    Variable("kind_of_value", ("row",), BYTE, None, "where it is from", flags=tuple(enumerate(EVIDENCE_KINDS))),
-    Variable("sureness", ("row",), BYTE, None, "how it was read", flags=tuple(enumerate(EVIDENCE_SURENESS))),
-    Variable("row_number", ("row",), INTEGER, "1", "number of the row among those of its source"),
-    Variable("complete", ("row",), BYTE, None, "whether the conditions are known", flags=((0, "no"), (1, "yes"))),
-    Variable("held_out", ("row",), BYTE, None, "whether it is never used to fit", flags=((0, "no"), (1, "yes"))),
-    Variable(
-        *("matter", ("row",), BYTE, None, "bodies of measured values"),
-        flags=((-1, "none"), *enumerate(EVIDENCE_MATTER)),
-    ),
-    Variable("law", ("row",), BYTE, None, "law that it was computed with", flags=((-1, "none"),), more="laws"),
-    number("radius", ("row",), "length", "effective radius", _ABSENT, True),
-    number("mass", ("row",), "mass", "effective mass", _ABSENT, True),
-    number("velocity", ("row",), "velocity", "approach velocity", _ABSENT, True),
-    number("effective_modulus", ("row",), "pressure", "effective contact modulus", _ABSENT, True),
-    number("yield_strength", ("row",), "pressure", "yield strength", "NaN: elastic, or from a material", True),
-    number("poissons_ratio", ("row",), "dimensionless", "Poisson's ratio of the body that yields", _ABSENT, True),
-    number("target_impedance", ("row",), "impedance", "wave impedance of the target", "NaN: a half-space", True),
-)
-
-_BOUNCES = tuple(
-    number(name, ("bounce",), dimension, spaced(name), f"{what}; {_ABSENT}", optional=True)
-    for name, (dimension, what) in COLUMNS.items()
-)
-
-_COST = (
-    Variable("method", ("run",), INTEGER, None, "method", "its setting: attribute settings", more="methods"),
-    Variable("outcome", ("run",), BYTE, None, "outcome", "attribute outcomes", ((0, "done"), (1, "no_answer"))),
-    *(
-        number(f"{what}_time_{way}", ("run",), "time", f"{long} of seconds an impact, {how}", _ABSENT, optional=True)
-        for way, how in (("single", "one call from Python"), ("batch", "in a batch"))
-        for what, long in (("median", "median"), ("spread", "half the distance between the quartiles"))
-    ),
-    Variable("force_evaluations", ("run",), INTEGER, "1", "evaluations of the contact law", "-1 if not counted"),
-    *(
-        number(f"error_{name}", ("run",), "dimensionless", f"relative error of {spaced(name)}", _ABSENT, optional=True)
-        for name in COMPARED
-    ),
-    *(number(f"reference_{name}", (), SUMMARY[name][0], f"exact {spaced(name)}") for name in COMPARED),
-    number("reference_error", (), "dimensionless", "relative error of the reference values"),
-)
-
-TABLE: dict[str, tuple[Variable, ...]] = {
-    HISTORY: _HISTORY,
-    f"{HISTORY} steps": (*STEPS, MODE_ENERGY),
-    f"{HISTORY} friction": IN_HISTORIES,
-    f"{HISTORY} contacts": CONTACTS,
-    f"{HISTORY} sliding": IN_STEPS,
-    f"{HISTORY} sensors": SENSED,
-    f"{HISTORY} strains": STRAINED,
-    SWEEP: _SWEEP,
-    f"{SWEEP} segments": _SWEEP_SEGMENTS,
-    f"{SWEEP} steps": (*STEP_PLACES, *STEPS),
-    f"{SWEEP} friction": IN_SWEEPS,
-    f"{SWEEP} samples": _SWEEP_SAMPLES,
-    f"{MEASUREMENT} history": _MEASURED_HISTORY,
-    f"{MEASUREMENT} impacts": _MEASURED_IMPACTS,
-    f"{MEASUREMENT} values": _EVIDENCE,
-    f"{MEASUREMENT} finite_elements": FINITE_ELEMENTS,
-    f"{MEASUREMENT} finite_element_pairs": FINITE_ELEMENT_PAIRS,
-    BOUNCES: _BOUNCES,
-    CHAIN: CHAINS,
-    COST: _COST,
-}
-"""Variables by the kind of dataset and what is kept in it, in the order in which `content_sha256` reads them."""
 
 _PROVENANCE = (
     *("Conventions", "title", "summary", "source", "references", "history", "license", "date_created", "comment"),

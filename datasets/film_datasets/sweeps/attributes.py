@@ -86,25 +86,16 @@ class Totals:
 
     def to_plain(self) -> dict[str, Any]:
         """Plain values for a JSON file."""
-        numbers = {name: getattr(self, name).tolist() for name in ("estimated", "missed", "energy_gains")}
-        return {
-            **numbers,
-            "failed": list(self.failed.items()),
-            "unkept": self.unkept,
-            "sides": {k: list(v.items()) for k, v in self.sides.items()},
-        }
+        counters = {"failed": list(self.failed.items()), "sides": {k: list(v.items()) for k, v in self.sides.items()}}
+        arrays = {name: getattr(self, name).tolist() for name in ("estimated", "missed", "energy_gains")}
+        return {**arrays, **counters, "unkept": self.unkept}
 
     @classmethod
     def from_plain(cls, plain: Mapping[str, Any]) -> Totals:
         """The totals that `to_plain` wrote."""
-        return cls(
-            np.array(plain["estimated"], np.float64),
-            np.array(plain["missed"], np.int64),
-            np.array(plain["energy_gains"], np.int64),
-            Counter(dict(plain["failed"])),
-            {path: Counter(dict(sides)) for path, sides in plain["sides"].items()},
-            plain["unkept"],
-        )
+        missed, gains = (np.array(plain[name], np.int64) for name in ("missed", "energy_gains"))
+        sides = {path: Counter(dict(found)) for path, found in plain["sides"].items()}
+        return cls(np.array(plain["estimated"]), missed, gains, Counter(dict(plain["failed"])), sides, plain["unkept"])
 
 
 def variable_attributes(sweep: Sweep) -> list[tuple[Variable, dict[str, Any]]]:

@@ -17,9 +17,6 @@ from film_datasets.sweeps.distributions import DISTRIBUTIONS, EMPIRICAL, quantil
 from film_model.base.fields import Field
 from film_model.base.units import si_unit
 
-LISTED = 1000
-"""Longer lists of values are not repeated in sweep_toml: it has their number and hash, the coordinate the values."""
-
 
 @dataclass(frozen=True)
 class Axis:
@@ -129,7 +126,8 @@ class Axis:
         if self.kind == "choices":
             return "[" + ", ".join(_toml_value(self.choices[index]) for index in self.indices) + "]"
         if self.kind == "values":
-            if self.count <= LISTED:
+            # longer lists are not repeated: the coordinate has the values
+            if self.count <= 1000:
                 return "[" + ", ".join(map(self._number_text, self.numbers)) + "]"
             digest = hashlib.sha256(np.asarray(self.numbers, "<f8").tobytes()).hexdigest()
             return f'{{ listed = {self.count}, sha256 = "{digest}" }}'

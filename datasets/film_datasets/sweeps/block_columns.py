@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from film_datasets.friction_dataset import REGIME
 from film_datasets.impacts import ClosedForms, Impacts, simulate_impacts
 from film_datasets.schema import OUT_OF_RANGE, accuracy_name, derivative_name, peak_name, side_name
-from film_datasets.schema.friction_variables import REGIME
 from film_datasets.sweeps.block import Block
 from film_datasets.sweeps.definition import Sweep
 from film_datasets.sweeps.designs import GRID
@@ -83,11 +83,7 @@ def _empty_columns(sweep: Sweep, count: int) -> Columns:
 
 
 def _put(
-    sweep: Sweep,
-    columns: Columns,
-    forms: list[tuple[Index, ClosedForms]],
-    impacts: Impacts,
-    index: NDArray[np.intp],
+    sweep: Sweep, columns: Columns, forms: list[tuple[Index, ClosedForms]], impacts: Impacts, index: NDArray[np.intp]
 ) -> None:
     """Put simulated impacts into the columns at the places `index`; add their motions, and their places to `forms`."""
     at = index_or_all(index, columns["status"].size)

@@ -8,7 +8,7 @@ import shutil
 import warnings
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,35 +27,19 @@ COORDINATE_CHUNK = 1 << 18
 """Values of a chunk of a coordinate: 2 MB."""
 
 
-class Writer(Protocol):
-    """What takes the variables of a dataset in pieces: `put` and `grow` for different variables at the same time."""
-
-    def create(
-        self, sizes: Mapping[str, int], chunks: Mapping[str, int], variables: Sequence[tuple[Variable, dict[str, Any]]]
-    ) -> None:
-        """Create variables with their attributes. sizes: of the dimensions, except the ragged ones, which grow.
-        chunks: of all of them."""
-
-    def put(self, name: str, region: Region, values: Any) -> None:
-        """Write a region of a variable: a chunk, or a block."""
-
-    def grow(self, name: str, values: Any) -> None:
-        """Append values to a variable along its ragged dimension."""
-
-    def commit(self) -> None:
-        """Write what was put so far, in an order that does not depend on the workers."""
-
-    def close(self, attributes: Mapping[str, Any]) -> None:
-        """Write the global attributes; nothing can be written afterwards."""
-
-
 def writer_for(target: Path) -> NetCDFWriter | ZarrWriter:
     """The writer for a file name. Raises ImportError for a Zarr folder if zarr is not installed."""
     return ZarrWriter(temporary_path(target)) if target.suffix == ZARR else NetCDFWriter(temporary_path(target))
 
 
 class MemoryWriter:
-    """Fills arrays in memory; `dataset` is set by `close`."""
+    """Fills arrays in memory; `dataset` is set by `close`.
+
+    All writers have: `create`, variables with their attributes, from the sizes of the dimensions, except the ragged
+    ones, which grow, and the chunks of all; `put`, a region of a variable, a chunk or a block; `grow`, values appended
+    to one along its ragged dimension, at the same time as `put` of others; `commit`, which writes what was put so far,
+    in an order that does not depend on the workers; and `close`, which writes the global attributes and ends it.
+    """
 
     def __init__(self) -> None:
         self._arrays: dict[str, Any] = {}
@@ -314,6 +298,9 @@ class ZarrWriter:
     def abandon(self) -> None:
         """Remove what was written."""
         shutil.rmtree(self.path, ignore_errors=True)
+
+
+Writer = MemoryWriter | NetCDFWriter | ZarrWriter
 
 
 def _grows(variable: Variable) -> bool:

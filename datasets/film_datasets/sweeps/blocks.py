@@ -15,14 +15,8 @@ BLOCK_BYTES, BLOCK_IMPACTS = 6_000_000, 65_536
 """A block has about so many bytes of data and at most so many impacts; both depend on the sweep alone, so that the
 results do not depend on the workers."""
 
-LEAST_GROWING, MOST_GROWING = 256, 1 << 16
-"""Rows of a chunk of the file along a ragged dimension, by the number that are expected."""
-
 OWN_CURVES = 1024
 """Impacts of a block if each may need a curve of its own (91 kB): on beams and static stiffnesses."""
-
-OWN_NUMBERS = 8192
-"""Impacts of a block if the curves of many may differ in all numbers of a fit (some kB each): over Poisson's ratio."""
 
 
 class Blocks:
@@ -35,7 +29,8 @@ class Blocks:
         scenes = (sweep.combination(number) for number in sweep.combinations_used)
         limit = OWN_CURVES if any(map(one_curve_per_impact, scenes)) else BLOCK_IMPACTS
         if any(axis.path.endswith("poissons_ratio") for axis in sweep.axes):
-            limit = min(limit, OWN_NUMBERS)
+            # the curves of many impacts may differ in all numbers of a fit, some kB each
+            limit = min(limit, 8192)
         self.size = size_of(sweep)
         most = max(1, min(limit, int(BLOCK_BYTES / self.size.each)))
         shape = self._shape = sweep.shape
@@ -55,9 +50,9 @@ class Blocks:
 
     @property
     def growing_chunks(self) -> dict[str, int]:
-        """Rows of a chunk of the file, by ragged dimension."""
+        """Rows of a chunk of the file, by ragged dimension: as many as are expected, within limits."""
         expected = ((dim, int(math.prod(self._shape) * rows)) for dim, rows in self.size.rows.items())
-        return {dim: min(max(LEAST_GROWING, rows), MOST_GROWING) for dim, rows in expected}
+        return {dim: min(max(256, rows), 65536) for dim, rows in expected}
 
     def groups(self, size: int) -> list[range]:
         """The numbers of the blocks, in groups of up to `size` that follow one another along the divided axis."""

@@ -41,9 +41,6 @@ if TYPE_CHECKING:
 MOST_COMBINATIONS = 10_000
 """Combinations of choices that a sweep may have: a scene is held for each."""
 
-MOST_CORNERS = 64
-"""Corners of a design that are tried until one makes a valid scene."""
-
 OPTIONS = ("samples", "seed", "correlation", "derivatives", "variables")
 """Keys of a sweep file that are optional arguments of `Sweep.of`."""
 
@@ -322,7 +319,7 @@ class Sweep:
         ends = [axis.typical for axis in axes]
         for number in self.combinations_used:
             first = None
-            for corner in itertools.islice(itertools.product(*ends), MOST_CORNERS):
+            for corner in itertools.islice(itertools.product(*ends), 64):
                 pairs = zip(axes, corner, strict=True)
                 try:
                     self.combination(number).replace({axis.path: number_text(v, axis.unit) for axis, v in pairs})

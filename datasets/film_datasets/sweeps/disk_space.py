@@ -12,7 +12,7 @@ from film_datasets.sweeps.block_columns import ENERGY_GAINS, ESTIMATED, MISSED, 
 from film_datasets.sweeps.block_writers import FILE_BLOCKS
 from film_datasets.sweeps.blocks import Blocks
 from film_datasets.sweeps.definition import Sweep
-from film_datasets.sweeps.sizes import VARIABLE, packed
+from film_datasets.sweeps.sizes import packed
 
 SAMPLE = 256
 """Impacts that are simulated to see how many bytes they take; of sweeps of fewer than 64 times as many none are."""
@@ -23,7 +23,9 @@ def disk_space(sweep: Sweep, blocks: Blocks, suffix: str) -> tuple[float, float]
     scenes, size = (sweep.combination(number) for number in sweep.combinations_used), blocks.size
     if sweep.size < 64 * SAMPLE or any(map(one_curve_per_impact, scenes)) or size.sample:
         saved = sweep.size * size.each
-        output = size.compressed(suffix) * (saved + size.once) + VARIABLE * len(sweep.variables)
+        output = size.compressed(suffix) * (saved + size.once) + 2000.0 * len(
+            sweep.variables
+        )  # of each, its description
         return output, saved + len(blocks) * size.once
     columns = compute_block(sweep, Block((), sweep.size // 2, SAMPLE))
     arrays = {name: column for name, column in columns.items() if name not in (ESTIMATED, MISSED, ENERGY_GAINS)}

@@ -12,13 +12,6 @@ import numpy as np
 
 from film_model.base.errors import SimulationError
 
-AHEAD = 2
-"""Finished blocks that may wait for an earlier one to be written, besides the blocks that are being computed."""
-
-LARGE = (32 << 20) - (1 << 13)
-"""Bytes of the largest array after whose release glibc raises the sizes from which it takes memory from the system and
-gives it back; see mallopt(3), M_MMAP_THRESHOLD."""
-
 NEEDS_DASK = 'a scheduler needs Dask: install film-model[dask] (pip install "film-model[dask]")'
 
 
@@ -31,8 +24,8 @@ class Workers(NamedTuple):
 
     @property
     def ahead(self) -> int:
-        """How many blocks to submit, with the one that is awaited."""
-        return (self.number if self.local else 2 * self.number) + AHEAD
+        """How many blocks to submit, with the one that is awaited; two finished ones may wait to be written."""
+        return (self.number if self.local else 2 * self.number) + 2
 
 
 @contextlib.contextmanager
@@ -56,10 +49,11 @@ def _keep_released_memory() -> None:
     """Let the arrays of a block take the memory that those of the block before have released.
 
     By default glibc gives it back to the system, and the next block gets pages that are new: they took 40 % of the
-    time of a block, more with two workers, whose page tables are one. The array is not touched; with other C libraries
-    this has no effect.
+    time of a block, more with two workers, whose page tables are one. An array of this size is the largest after whose
+    release glibc raises the sizes from which it does so; see mallopt(3), M_MMAP_THRESHOLD. It is not touched; other
+    C libraries do not care.
     """
-    np.empty(LARGE, np.uint8)
+    np.empty((32 << 20) - (1 << 13), np.uint8)
 
 
 @contextlib.contextmanager

@@ -205,11 +205,7 @@ def _writer(run: Run, target: Path, checkpoint: Checkpoint) -> tuple[NetCDFWrite
 
 
 def _write_blocks(
-    run: Run,
-    writer: Writer,
-    workers: Workers,
-    checkpoint: Checkpoint | None = None,
-    content: ContentHash | None = None,
+    run: Run, writer: Writer, workers: Workers, checkpoint: Checkpoint | None = None, content: ContentHash | None = None
 ) -> None:
     """Put the columns of all blocks into the writer, in order, then the attributes; or continue, after the blocks that
     the checkpoint says are written, whose hash is `content`."""

@@ -20,22 +20,6 @@ from film_model.solve.history import MOTION
 TYPICAL_SEGMENTS = 32
 """Segments of an impact at the default accuracy, about."""
 
-COMPRESSED = 0.6
-"""Fraction that remains of an impact's bytes in a file, where no sample is taken."""
-
-SAMPLE = 36
-"""Impacts on targets that may vibrate that are simulated to see how many bytes their motions take: enough to be
-followed together, like those of a block."""
-
-OFTEN = 0.5
-"""Different tables of modes over impacts of the sample, from which on each impact is taken to have its own."""
-
-PACKED = 100_000
-"""Rows of the sample that are compressed to see what remains of them."""
-
-VARIABLE = 2000.0
-"""Bytes of a variable in a file besides its values."""
-
 
 @dataclass(frozen=True)
 class Size:
@@ -51,7 +35,7 @@ class Size:
     def compressed(self, suffix: str) -> float:
         """Fraction that remains of the bytes in a file, or in a folder, by its suffix."""
         size = sum(array.nbytes for array in self.sample.values())
-        return packed(self.sample, suffix) / size if size else COMPRESSED
+        return packed(self.sample, suffix) / size if size else 0.6
 
 
 def size_of(sweep: Sweep) -> Size:
@@ -66,7 +50,8 @@ def size_of(sweep: Sweep) -> Size:
 
 def _of_sample(sweep: Sweep, own: int) -> Size:
     """From evenly spaced impacts; their tables of modes count once, or for each impact if most are different."""
-    dims, count = ragged_dims(sweep.variables), min(SAMPLE, max(sweep.size // 4, min(sweep.size, 8)))
+    # 36 impacts are enough to be followed together, like those of a block
+    dims, count = ragged_dims(sweep.variables), min(36, max(sweep.size // 4, min(sweep.size, 8)))
     places = [(2 * k + 1) * sweep.size // (2 * count) for k in range(count)]
     values = [np.concatenate(axis) for axis in zip(*(sweep.values(place, 1) for place in places), strict=True)]
     try:
@@ -78,9 +63,10 @@ def _of_sample(sweep: Sweep, own: int) -> Size:
     once = 0.0
     for dim in SHARED:
         tables = np.unique(columns[f"{dim}_begin"][columns[f"{dim}_count"] > 0]).size
-        once += sizes.pop(dim) if tables < OFTEN * count else 0.0
+        # if most impacts of the sample have different modes, each is taken to have its own
+        once += sizes.pop(dim) if tables < 0.5 * count else 0.0
     history = sum(sizes.values()) / count
-    return Size(own + history, history, rows, once, {name: array[:PACKED].copy() for name, array in columns.items()})
+    return Size(own + history, history, rows, once, {name: array[:100_000].copy() for name, array in columns.items()})
 
 
 def packed(columns: Columns, suffix: str) -> int:

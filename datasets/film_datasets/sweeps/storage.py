@@ -21,9 +21,6 @@ from film_datasets.sweeps.definition import Sweep
 from film_datasets.sweeps.executor import Workers, available_cores
 from film_datasets.sweeps.ragged import Places, ragged_dims
 
-TASKS = 2
-"""Tasks of a worker for each block, among which its variables are divided: the start and end of one take 0.1 ms."""
-
 PIECES = 8
 """Pieces of coordinates, of up to 2 MB, that are written at a time."""
 
@@ -45,7 +42,8 @@ class Storage:
         self._tasks: list[Future[None]] = []
         self._own = contextlib.ExitStack()
         self._executor: Any = None
-        self._parts = TASKS * (workers.number if workers.local else available_cores())
+        # two tasks of a worker for each block, among which its variables are divided: to start one takes 0.1 ms
+        self._parts = 2 * (workers.number if workers.local else available_cores())
         if len(blocks) > 1:
             local = workers.executor if workers.local else ThreadPoolExecutor(available_cores())
             self._executor = local if workers.local else self._own.enter_context(local)

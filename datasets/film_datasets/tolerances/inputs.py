@@ -13,9 +13,6 @@ from film_datasets.sweeps.definition import Sweep
 from film_model.base.arrays import Array
 from film_model.base.errors import Mistake, SceneError, did_you_mean, shown
 
-NODES = 96
-"""Gauss-Hermite nodes of the moments: exact for normal distributions, to 1e-9 for smooth ones."""
-
 _WORDS = "has words, a tolerance needs a number with a distribution: keep one word in the scene"
 
 
@@ -31,7 +28,8 @@ def moments(axis: Axis) -> tuple[float, float]:
     """Mean and standard deviation, SI."""
     from scipy.special import ndtr  # lazy: only distributions need SciPy
 
-    z, weights = hermegauss(NODES)
+    # nodes for which moments are exact for normal distributions, to 1e-9 for smooth ones
+    z, weights = hermegauss(96)
     weights = weights / weights.sum()
     inside = np.clip(ndtr(z), 1e-300, 1.0 - 2.0**-53)
     values = np.asarray(axis.quantile(inside), np.float64)

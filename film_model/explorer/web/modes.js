@@ -257,7 +257,7 @@ function vibrate(scene, problem) {
       continue;
     }
     const known = before;
-    const [factor, fall] = p.damping > 0 ? [rule.damped_factor, rule.damped_fall] : [rule.factor, rule.fall];
+    const [factor, fall] = p.damping > 0 ? [rule.damped_factor, rule.damped_fall] : [rule.modes_factor, rule.modes_fall];
     const errors = Object.entries(changes).map(([name, change]) => factor * Math.max(change, known[name] / fall) + tolerance);
     error = Math.max(...errors);
     if (error > accuracy && 2 * highest > support.highest) refuse();

@@ -205,7 +205,7 @@ function ritzCompliance(panel, point, degree) {
 
 /** The static deflection over force, m/N, and a bound on its error. @param {Panel} given @param {number[]} place */
 function panelCompliance(given, place) {
-  const { levy, remainder, lower_degrees: lower, degree } = DATA.constants.ritz;
+  const { levy, remainder, lower_degrees: lower, static_degree: degree } = DATA.constants.ritz;
   let [panel, [x, y]] = [given, place];
   const { a, b, d11, d22 } = panel;
   const nearer = Math.min(y, b - y) / d22 ** 0.25 < Math.min(x, a - x) / d11 ** 0.25;

@@ -248,8 +248,8 @@ def _refined(
     `run`. recorded: whether a run that is sure to be the last is recorded at once."""
     (highest, most), tolerance = between, step_tolerance(accuracy)
 
-    def follow(upto: float, tolerance: float, recorded: bool = False) -> Vibration:
-        return run(problem, modes(upto), tolerance, limit, recorded)
+    def follow(upto: float, tolerance: float, expected: int = 0) -> Vibration:
+        return run(problem, modes(upto), tolerance, limit, expected > 0, expected)
 
     modes(2.0 * highest)  # TooManyModes before a run
     runs = [follow(highest, REFINED * tolerance)]
@@ -259,7 +259,7 @@ def _refined(
     while True:
         sure = 2.0 * highest >= most or _together(runs, 5) > modal.MOST_WORK  # if more modes take no less work
         try:
-            runs.append(follow(2.0 * highest, tolerance, recorded and sure))
+            runs.append(follow(2.0 * highest, tolerance, 2 * int(runs[-1].summary.lines) * (recorded and sure)))
             highest *= 2.0
             last = highest >= most or _together(runs, 4) > modal.MOST_WORK or 4 * runs[-1].modes > structures.MOST_MODES
         except (CoreError, TooManyModes) as error:  # of steps: a stiff omitted mode rattles between the others
@@ -336,10 +336,15 @@ def time_limit(problem: Problem, target: AbstractTarget) -> float:
 
 
 def run(
-    problem: Problem, structure: structures.Structure, tolerance: float, limit: float, recorded: bool = True
+    problem: Problem,
+    structure: structures.Structure,
+    tolerance: float,
+    limit: float,
+    recorded: bool = True,
+    expected: int = 0,
 ) -> Vibration:
     """The impact on these modes. tolerance: of a step. limit: time at which contact is no longer followed, s. recorded:
-    with its motion and events."""
+    with its motion and events. expected: number of segments for which there is room at once."""
     scales = problem.scales
     tables, rest = structures.tables_of(problem, structure, structure.omitted * scales.force / scales.length)
     curve = curve_of(problem.law).native
@@ -347,7 +352,7 @@ def run(
         *(problem.approach, problem.load, rest, problem.mass, scales.time, problem.damping, tolerance, limit),
         stretch=scales.length**2,
     )
-    found = modal.impact(tables, curve, start, recorded=recorded)
+    found = modal.impact(tables, curve, start, expected, recorded)
     _check(found.status, problem, tables)
     core = found.summary.core
     for name in ("time_of_maximum_indentation", "time_impactor_stops", "contact_duration"):

@@ -56,8 +56,8 @@ DOUBTED = 0.05
 one of 50,000 impacts, and in few of these to a small fraction of the error. tests/hostile/scenes/chance_6961.toml."""
 
 MANY = 1000
-"""Of so many impacts of which none asks for more segments, none is doubted. Where two meshes agree by chance the error is
-about a thirtieth of the usual estimate, so only impacts far above the accuracy matter, and others like them would be."""
+"""Of so many impacts of which none asks for more segments, none is doubted. Where two meshes agree by chance the error
+is about a thirtieth of the usual estimate, so only impacts far above the accuracy matter; others like them would be."""
 
 TABLED = 1.5
 """The exponent of forces and branches that the core has tables and polynomials for (docs/method.md, section 10)."""

@@ -229,9 +229,7 @@ def _target_error(
     soft = core.maximum_indentation / core.maximum_force * scales.length / scales.force if core.maximum_force else 0.0
     if error <= NEGLIGIBLE * accuracy * (soft + (target.compliance or 0.0)):
         return 0.0
-    other = run(
-        problem, structures.softer(structure, error), found.start.tolerance, found.start.limit, recorded=False
-    )
+    other = run(problem, structures.softer(structure, error), found.start.tolerance, found.start.limit, recorded=False)
     return max(map(float, differences(problem, core, other.summary).values()))
 
 
@@ -244,8 +242,8 @@ def _refined(
     warnings: list[str],
     recorded: bool,
 ) -> tuple[Vibration, Vibration, float]:
-    """`vibrate` with the highest frequency from and up to two values: the last two runs, and the estimate. limit: as of
-    `run`. recorded: whether a run that is sure to be the last is recorded at once."""
+    """`vibrate` with the highest frequency between two values: the last two runs, and the estimate. limit: as of `run`.
+    recorded: whether a run that is sure to be the last is recorded at once."""
     (highest, most), tolerance = between, step_tolerance(accuracy)
 
     def follow(upto: float, tolerance: float, expected: int = 0) -> Vibration:
@@ -257,11 +255,13 @@ def _refined(
     while math.isinf(most) and _swiftness(problem, runs[0], modes(2.0 * highest)) > FOLLOWED * 2.0 * highest:
         highest *= 2.0
     while True:
-        sure = 2.0 * highest >= most or _together(runs, 5) > modal.MOST_WORK  # if more modes take no less work
+        work = sum(each.work for each in runs)
+        sure = 2.0 * highest >= most or work + 5 * runs[-1].work > modal.MOST_WORK  # if more modes take no less
         try:
             runs.append(follow(2.0 * highest, tolerance, 2 * int(runs[-1].summary.lines) * (recorded and sure)))
             highest *= 2.0
-            last = highest >= most or _together(runs, 4) > modal.MOST_WORK or 4 * runs[-1].modes > structures.MOST_MODES
+            work += 5 * runs[-1].work
+            last = highest >= most or work > modal.MOST_WORK or 4 * runs[-1].modes > structures.MOST_MODES
         except (CoreError, TooManyModes) as error:  # of steps: a stiff omitted mode rattles between the others
             if len(runs) == 1 or (isinstance(error, CoreError) and error.status != native.TOO_MANY):
                 raise
@@ -276,11 +276,6 @@ def _refined(
             if last:
                 return runs[-2], runs[-1], _unreached(runs[-1], errors, accuracy, warnings)
         tolerance = max(tolerance / REFINED, TIGHTEST)
-
-
-def _together(runs: list[Vibration], more: int) -> int:
-    """The work of all runs, and of one more that takes `more` times as much as the latest."""
-    return sum(each.work for each in runs) + more * runs[-1].work
 
 
 def _recorded(problem: Problem, found: Vibration) -> Vibration:
@@ -300,8 +295,8 @@ def _unreached(found: Vibration, errors: dict[str, float], accuracy: float, warn
 
 
 def _swiftness(problem: Problem, found: Vibration, structure: structures.Structure) -> float:
-    """Rate at which the contact follows the structure, 1/s: its stiffness times the sum of the modes' shares over the
-    highest frequency, to which that sum is about proportional."""
+    """Rate at which the contact follows the structure, 1/s: its stiffness times the sum of the modes' shares, which is
+    about proportional to the highest frequency, over that."""
     core, scales = found.summary, problem.scales
     stiffness = core.maximum_force / core.maximum_indentation if core.maximum_indentation > 0.0 else 0.0
     return stiffness * scales.force / scales.length * float(structure.tables.share.sum()) / structure.highest

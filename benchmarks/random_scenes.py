@@ -20,6 +20,7 @@ import time
 import traceback
 import warnings
 from collections.abc import Callable, Iterator, Sequence
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
@@ -67,6 +68,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     known = [json.loads(line) for line in lines if line.endswith("}")]  # not what a kill has cut
     first = max((row["done"] for row in known if "done" in row), default=options.seed)
     fd.sweep(scene_of(0), {"impactor.velocity": ["1 m/s"]})  # what is imported when it is first used
+    for name in ("scipy.interpolate", "scipy.linalg", "scipy.optimize"):  # a second, which no scene takes
+        import_module(name)
     with options.file.open("a", encoding="utf-8") as out:
         for seed in range(first, options.seed + options.count):
             if time.process_time() > options.seconds:

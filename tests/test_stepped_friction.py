@@ -187,7 +187,7 @@ def test_pushes_without_friction_are_refused():
 
 
 def test_the_work_of_a_step_is_bounded():
-    """A ball under its weight bounces for ever: after a million steps of friction its step is refused."""
+    """A ball under its weight bounces for ever: after 400,000 steps of friction its step is refused."""
     given = scene("hertz").replace({"effects.gravity": True, "impactor.velocity": "1 mm/s"})
     component = fm.ImpactComponent(given)
     with pytest.raises(fm.SimulationError, match="shorter step"):

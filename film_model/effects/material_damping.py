@@ -7,6 +7,7 @@ leaves the lower restitution.
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 from typing import Any
 
@@ -59,9 +60,8 @@ def _keeps_more(problem: Problem, loss_factor: Any) -> bool:
 
 
 def _rebound(problem: Problem) -> Any:
-    """Velocity after the trial impact, m/s; that before it if contact does not end."""
-    after = -problem.trial.summary.final_velocity * problem.scales.velocity
-    return either(problem.trial.ends, after, problem.approach * problem.scales.velocity)
+    """Velocity after the trial impact, m/s; infinite if contact does not end: then neither loss is the larger."""
+    return either(problem.trial.ends, -problem.trial.summary.final_velocity * problem.scales.velocity, math.inf)
 
 
 def settled(effect: Effect, problem: Problem) -> Effect:

@@ -147,6 +147,7 @@ def computable(target: AbstractTarget, highest: float, unit: float, least: float
     """The frequency, `highest` or less by powers of 2^(1/2), up to which the modes can be computed. TooManyModes if it
     is below `least`."""
     while True:
+        highest = rounded(highest)
         try:
             structure_of(target, highest, unit)
         except TooManyModes:
@@ -210,5 +211,6 @@ def _by_target(kept: Any, made: Any, *arguments: Any) -> Any:
 
 
 def rounded(value: float) -> float:
-    """The power of 2^(1/4) that is not below `value`, so that similar impacts on a target share its tables."""
-    return 2.0 ** (math.ceil(4.0 * math.log2(value)) / 4.0)
+    """The power of 2^(1/4) that is not below `value`, so that similar impacts on a target share its tables; of such a
+    power with rounding errors, itself."""
+    return 2.0 ** (math.ceil(4.0 * math.log2(value) - 1e-9) / 4.0)

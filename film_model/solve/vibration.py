@@ -181,13 +181,14 @@ def vibrate(
     try:
         rattles = structures.omitted_as_mode(problem, target, first)
         between = first, HIGHEST * first if rattles else math.inf
-        found, estimated = _refined(problem, modes, limit, between, accuracy, warnings)
+        *runs, estimated = _refined(problem, modes, limit, between, accuracy, warnings, recorded)
     except TooManyModes:
         most = structures.computable(target, tried[-1] / 2.0**0.5, unit, UNRESOLVED * first)
-        found, estimated = _refined(problem, modes, limit, (most / 4.0, most), accuracy, warnings)
-    if recorded:
+        *runs, estimated = _refined(problem, modes, limit, (most / 4.0, most), accuracy, warnings, recorded)
+    coarse, found = runs
+    if recorded and not found.met.size:
         found = _recorded(problem, found)
-    own = _target_error(problem, target, modes(found.highest / 2.0), found, accuracy)
+    own = _target_error(problem, target, modes(coarse.highest), coarse, accuracy)
     if estimated <= accuracy < estimated + own:
         warnings.append(
             f"accuracy {accuracy:g} is not reached: the static deflection of the {target.kind} is known within "
@@ -222,27 +223,31 @@ def _membrane_error(
 def _target_error(
     problem: Problem, target: AbstractTarget, structure: structures.Structure, found: Vibration, accuracy: float
 ) -> float:
-    """Largest relative change of the summary by the error of the static compliance: with half the highest frequency,
-    one run with the compliance as it is and one with more. An error that is too small to matter is not followed."""
+    """Largest relative change of the summary by the error of the static compliance: from a run with fewer modes than
+    the last and one with more compliance. An error that is too small to matter is not followed."""
     core, scales, error = found.summary, problem.scales, target.compliance_error
     soft = core.maximum_indentation / core.maximum_force * scales.length / scales.force if core.maximum_force else 0.0
     if error <= NEGLIGIBLE * accuracy * (soft + (target.compliance or 0.0)):
         return 0.0
-    same, other = (
-        run(problem, each, found.start.tolerance, found.start.limit, recorded=False)
-        for each in (structure, structures.softer(structure, error))
-    )
-    return max(map(float, differences(problem, same.summary, other.summary).values()))
+    other = run(problem, structures.softer(structure, error), found.start.tolerance, found.start.limit, recorded=False)
+    return max(map(float, differences(problem, core, other.summary).values()))
 
 
 def _refined(
-    problem: Problem, modes: ModesUpTo, limit: float, between: tuple[float, float], accuracy: float, warnings: list[str]
-) -> tuple[Vibration, float]:
-    """`vibrate` with the highest frequency from and up to two values. limit: as of `run`."""
+    problem: Problem,
+    modes: ModesUpTo,
+    limit: float,
+    between: tuple[float, float],
+    accuracy: float,
+    warnings: list[str],
+    recorded: bool,
+) -> tuple[Vibration, Vibration, float]:
+    """`vibrate` with the highest frequency between two values: the last two runs, and the estimate. limit: as of `run`.
+    recorded: whether a run that is sure to be the last is recorded at once."""
     (highest, most), tolerance = between, step_tolerance(accuracy)
 
-    def follow(upto: float, tolerance: float) -> Vibration:
-        return run(problem, modes(upto), tolerance, limit, recorded=False)
+    def follow(upto: float, tolerance: float, expected: int = 0) -> Vibration:
+        return run(problem, modes(upto), tolerance, limit, expected > 0, expected)
 
     modes(2.0 * highest)  # TooManyModes before a run
     runs = [follow(highest, REFINED * tolerance)]
@@ -250,10 +255,12 @@ def _refined(
     while math.isinf(most) and _swiftness(problem, runs[0], modes(2.0 * highest)) > FOLLOWED * 2.0 * highest:
         highest *= 2.0
     while True:
+        work = sum(each.work for each in runs)
+        sure = 2.0 * highest >= most or work + 5 * runs[-1].work > modal.MOST_WORK  # if more modes take no less
         try:
-            runs.append(follow(2.0 * highest, tolerance))
+            runs.append(follow(2.0 * highest, tolerance, 2 * int(runs[-1].summary.lines) * (recorded and sure)))
             highest *= 2.0
-            work = sum(each.work for each in runs) + 4 * runs[-1].work
+            work += 5 * runs[-1].work
             last = highest >= most or work > modal.MOST_WORK or 4 * runs[-1].modes > structures.MOST_MODES
         except (CoreError, TooManyModes) as error:  # of steps: a stiff omitted mode rattles between the others
             if len(runs) == 1 or (isinstance(error, CoreError) and error.status != native.TOO_MANY):
@@ -265,9 +272,9 @@ def _refined(
             before, change = (differences(problem, *(r.summary for r in pair)) for pair in (runs[-3:-1], runs[-2:]))
             errors = {name: float(error_of(problem, before[name], change[name])) + tolerance for name in change}
             if (estimated := max(errors.values())) <= accuracy:
-                return runs[-1], estimated
+                return runs[-2], runs[-1], estimated
             if last:
-                return runs[-1], _unreached(runs[-1], errors, accuracy, warnings)
+                return runs[-2], runs[-1], _unreached(runs[-1], errors, accuracy, warnings)
         tolerance = max(tolerance / REFINED, TIGHTEST)
 
 
@@ -288,8 +295,8 @@ def _unreached(found: Vibration, errors: dict[str, float], accuracy: float, warn
 
 
 def _swiftness(problem: Problem, found: Vibration, structure: structures.Structure) -> float:
-    """Rate at which the contact follows the structure, 1/s: its stiffness times the sum of the modes' shares over the
-    highest frequency, to which that sum is about proportional."""
+    """Rate at which the contact follows the structure, 1/s: its stiffness times the sum of the modes' shares, which is
+    about proportional to the highest frequency, over that."""
     core, scales = found.summary, problem.scales
     stiffness = core.maximum_force / core.maximum_indentation if core.maximum_indentation > 0.0 else 0.0
     return stiffness * scales.force / scales.length * float(structure.tables.share.sum()) / structure.highest
@@ -324,10 +331,15 @@ def time_limit(problem: Problem, target: AbstractTarget) -> float:
 
 
 def run(
-    problem: Problem, structure: structures.Structure, tolerance: float, limit: float, recorded: bool = True
+    problem: Problem,
+    structure: structures.Structure,
+    tolerance: float,
+    limit: float,
+    recorded: bool = True,
+    expected: int = 0,
 ) -> Vibration:
     """The impact on these modes. tolerance: of a step. limit: time at which contact is no longer followed, s. recorded:
-    with its motion and events."""
+    with its motion and events. expected: number of segments for which there is room at once."""
     scales = problem.scales
     tables, rest = structures.tables_of(problem, structure, structure.omitted * scales.force / scales.length)
     curve = curve_of(problem.law).native
@@ -335,7 +347,7 @@ def run(
         *(problem.approach, problem.load, rest, problem.mass, scales.time, problem.damping, tolerance, limit),
         stretch=scales.length**2,
     )
-    found = modal.impact(tables, curve, start, recorded=recorded)
+    found = modal.impact(tables, curve, start, expected, recorded)
     _check(found.status, problem, tables)
     core = found.summary.core
     for name in ("time_of_maximum_indentation", "time_impactor_stops", "contact_duration"):

@@ -56,8 +56,27 @@ class Line:
 
     def at(self, s: float, order: int = 0) -> Array:
         """f_p(s), or a derivative."""
-        series = np.polynomial.legendre.legder(self.polynomials, order, axis=1) if order else self.polynomials
-        return series @ np.polynomial.legendre.legvander(np.array([s]), series.shape[1] - 1)[0]
+        series = _derivative(self.polynomials, order)
+        return series @ _legendre(s, series.shape[1])
+
+
+@lru_cache(maxsize=64)
+def _legendre(s: float, count: int) -> Array:
+    """P_0(s), P_1(s), …, `count` of them: for one place in less time than NumPy's `legvander`."""
+    values = [1.0, s]
+    for n in range(2, count):
+        values.append((values[-1] * s * (2 * n - 1) - values[-2] * (n - 1)) / n)
+    return np.array(values[:count])
+
+
+def _derivative(series: Array, order: int) -> Array:
+    """Legendre coefficients of a derivative of the series, one per row: P_n′ = Σ (2k + 1) P_k, k = n − 1, n − 3, …"""
+    for _ in range(order):
+        sums = np.empty_like(series)
+        for highest in (-1, -2):
+            sums[:, highest::-2] = np.cumsum(series[:, highest::-2], axis=1)
+        series = (2.0 * np.arange(series.shape[1] - 1.0) + 1.0) * sums[:, 1:]
+    return series
 
 
 @lru_cache(maxsize=32)
@@ -85,7 +104,7 @@ def _line(rows: list[Array], more: int) -> Line:
     made = np.concatenate(rows)
     odd = np.repeat([False, True][: len(rows)], [len(part) for part in rows])
     unit = 2.0 / (2.0 * np.arange(made.shape[1]) + 1.0)
-    slope, curve = (np.polynomial.legendre.legder(made, n, axis=1) for n in (1, 2))
+    slope, curve = (_derivative(made, n) for n in (1, 2))
     bent = np.sum(curve**2 * unit[:-2], axis=1)
     bent[bent < RIGID] = 0.0
     sloped, crossed = (slope * unit[:-1]) @ slope.T, (curve * unit[:-2]) @ made[:, :-2].T
@@ -104,7 +123,6 @@ def _parts(ends: tuple[str, str], degree: int) -> list[Array]:
 
 def _polynomials(ends: tuple[str, str], degree: int) -> Array:
     """Legendre coefficients of even and odd polynomials, if the ends are equal, that satisfy the supports."""
-    identity = np.eye(degree + 1)
     conditions: list[Array] = []
     for s, end in ((-1.0, ends[0]), (1.0, ends[1])):
         n = np.arange(4.0)
@@ -117,11 +135,12 @@ def _polynomials(ends: tuple[str, str], degree: int) -> Array:
         low = np.concatenate([_unconditional(rows[:, k::2], k, degree) for k in (0, 1)])
     else:
         low = _unconditional(np.array(conditions).reshape(-1, 4), None, degree)
-    k = np.arange(2.0, degree - 1.0)[:, None]
-    at = np.arange(2, degree - 1)
-    bubbles = identity[at + 2] / ((2 * k + 1) * (2 * k + 3)) - 2 * identity[at] / ((2 * k - 1) * (2 * k + 3))
-    bubbles += identity[at - 2] / ((2 * k - 1) * (2 * k + 1))  # ∫∫P_k
-    return np.concatenate([low, np.sqrt((2 * k + 1) / 2) * bubbles])
+    k = np.arange(2, degree - 1)
+    parts = 1.0 / ((2 * k - 1) * (2 * k + 1)), -2.0 / ((2 * k - 1) * (2 * k + 3)), 1.0 / ((2 * k + 1) * (2 * k + 3))
+    bubbles = np.zeros((k.size, degree + 1))
+    for shift, part in zip((-2, 0, 2), parts, strict=True):  # ∫∫P_k
+        bubbles[k - 2, k + shift] = np.sqrt((2 * k + 1) / 2) * part
+    return np.concatenate([low, bubbles])
 
 
 def _unconditional(conditions: Array, parity: int | None, degree: int) -> Array:
@@ -139,18 +158,24 @@ def _unconditional(conditions: Array, parity: int | None, degree: int) -> Array:
 def _shapes(space: Array) -> tuple[Array, Array]:
     """∫f″² and coefficients of the functions of a space that are orthonormal in ∫f² and orthogonal in ∫f″².
 
-    Functions whose ∫f″² is above 1e14 are left out: rounding decides them. Singular values of the functions' √mass are
-    accurate relative to each, because the polynomials' are graded; eigenvalues of the mass itself are accurate relative
-    to the largest, which spoils the shapes beside free ends, 1e-9 of the 48th and 1e-6 of the 300th.
+    Motions as a rigid body come first; the others, less what they have of these, are made orthonormal in ∫f″². Singular
+    values of their √mass are accurate relative to each, because the polynomials' are graded; eigenvalues of the mass
+    itself are accurate relative to the largest, which spoils the shapes beside free ends, 1e-9 of the 48th and 1e-6 of
+    the 300th. Functions whose ∫f″² is above 1e14 are left out: rounding decides them.
     """
     root = np.sqrt(2.0 / (2.0 * np.arange(space.shape[1]) + 1.0))
-    curve = np.polynomial.legendre.legder(space, 2, axis=1) * root[:-2]
-    moved = space * root
-    factor = np.linalg.inv(np.linalg.cholesky(curve @ curve.T + moved @ moved.T))
-    turned, size, _ = np.linalg.svd(factor @ moved, full_matrices=False)
+    curve = _derivative(space, 2)[:, :2] * root[:2]
+    bends = np.abs(space[:, 4:]).max(axis=1) > 0.0
+    low = np.flatnonzero(~bends)
+    stiff = np.abs(curve[low]).max(axis=1) > 0.0
+    rigid, low = space[low[~stiff]], low[stiff]
+    rigid = np.linalg.qr((rigid * root).T)[0].T / root
+    space = np.concatenate([np.linalg.solve(np.linalg.cholesky(curve[low] @ curve[low].T), space[low]), space[bends]])
+    space -= ((space * root) @ (rigid * root).T) @ rigid
+    turned, size, _ = np.linalg.svd(space * root, full_matrices=False)
     known = size > 1e-7
-    found = (turned.T[known] @ factor) / size[known, None]
-    return np.sum((found @ curve) ** 2, axis=1), found @ space
+    found = (turned.T[known] @ space) / size[known, None]
+    return np.concatenate([np.zeros(len(rigid)), size[known] ** -2.0]), np.concatenate([rigid, found])
 
 
 def _joined(space: Array, bent: Array, rows: Array, highest: float, more: int) -> Array:
@@ -163,7 +188,7 @@ def _joined(space: Array, bent: Array, rows: Array, highest: float, more: int) -
     if more == 0:
         return taken
     unit = 2.0 / (2.0 * np.arange(space.shape[1] - 2) + 1.0)
-    curve, rest_curve = (np.polynomial.legendre.legder(part, 2, axis=1) for part in (space, rest))
+    curve, rest_curve = (_derivative(part, 2) for part in (space, rest))
     curve = curve[np.abs(curve).sum(axis=1) > 0.0][:more]
     parts = (curve * unit) @ rest_curve.T / bent[~among]  # ∫f p = ∫f″p″/∫f″²: what the shapes lack of these polynomials
     parts /= np.linalg.norm(parts, axis=1)[:, None]

@@ -69,6 +69,31 @@ static inline double slope_at(const film_function *g, double xi) {
     return g->per_span * now * (root > 0.0 ? 1.0 / root : 2.0);
 }
 
+/* Both, of a power by one root, of a series by one loop. */
+static inline void value_and_slope(const film_function *g, double xi, double *value, double *slope) {
+    double x = scaled_distance(g, xi), z = 2.0 * x - 1.0, b1 = 0.0, b2 = 0.0, now = 0.0, before = 0.0;
+    if (g->form == FILM_POWER) {
+        double power = g->coefficient == 0.0 ? 0.0 : g->coefficient * power_of(x, g->exponent);
+        *value = g->constant + g->slope * x + power;
+        *slope = power == 0.0 ? slope_at(g, xi) : g->slope + g->exponent * power / x;
+        return;
+    }
+    if (g->form == FILM_ROOT_SERIES) {
+        *value = value_at(g, xi);
+        *slope = slope_at(g, xi);
+        return;
+    }
+    for (int k = g->terms - 1; k > 0; k--) {
+        double b = 2.0 * z * b1 - b2 + g->series[k], next = 2.0 * z * now - before + k * g->series[k];
+        b2 = b1;
+        b1 = b;
+        before = now;
+        now = next;
+    }
+    *value = z * b1 - b2 + g->series[0];
+    *slope = g->per_span * now * 2.0;
+}
+
 /* The piece of a stage that holds xi; the last one beyond the end of the stage. */
 static inline const film_piece *piece_at(const film_curve *curve, int32_t stage, double xi) {
     const film_piece *piece = &curve->piece[curve->stage[stage].first];

@@ -8,38 +8,16 @@ static const double SERIES_OVERRUN = 1.05;
 
 enum { SERIES_STEPS = 100, SNAP_CHECKS = 40 };
 
-/* Force and slope of a series at z = 2 x - 1: both sums in one loop. */
-static void series_at(const film_function *g, double xi, double *force, double *slope) {
-    double x = scaled_distance(g, xi), z = 2.0 * x - 1.0, b1 = 0.0, b2 = 0.0, now = 0.0, before = 0.0;
-    for (int k = g->terms - 1; k > 0; k--) {
-        double b = 2.0 * z * b1 - b2 + g->series[k], next = 2.0 * z * now - before + k * g->series[k];
-        b2 = b1;
-        b1 = b;
-        before = now;
-        now = next;
-    }
-    *force = z * b1 - b2 + g->series[0];
-    *slope = g->per_span * now * 2.0;
-}
-
 /* Force and slope of the contact itself at an indentation. */
 static void law_and_slope(const film_line *line, const film_piece *piece, double xi, double *force, double *slope) {
-    const film_function *g = line->branch >= 0 ? &piece->force : NULL;
-    if (g == NULL) {
-        double reach = xi - line->xi_origin, x = reach * line->per_recovery;
-        double power = x > 0.0 ? line->f_max * power_of(x, line->exponent) : 0.0, f = power + line->f_shift;
-        *force = f > 0.0 ? f : 0.0;
-        *slope = x > 0.0 && xi > line->xi_free ? line->exponent * power / reach : 0.0;
-    } else if (g->form == FILM_POWER) {
-        double x = scaled_distance(g, xi), power = g->coefficient == 0.0 ? 0.0 : g->coefficient * power_of(x, g->exponent);
-        *force = g->constant + g->slope * x + power;
-        *slope = x > 0.0 ? g->slope + g->exponent * power / x : slope_at(g, xi);
-    } else if (g->form == FILM_SERIES) {
-        series_at(g, xi, force, slope);
-    } else {
-        *force = value_at(g, xi);
-        *slope = slope_at(g, xi);
+    if (line->branch >= 0) {
+        value_and_slope(&piece->force, xi, force, slope);
+        return;
     }
+    double reach = xi - line->xi_origin, x = reach * line->per_recovery;
+    double power = x > 0.0 ? line->f_max * power_of(x, line->exponent) : 0.0, f = power + line->f_shift;
+    *force = f > 0.0 ? f : 0.0;
+    *slope = x > 0.0 && xi > line->xi_free ? line->exponent * power / reach : 0.0;
 }
 
 /* Where the search for an indentation begins: from the place found before, ln(xi) is a straight line over ln(x), and

@@ -40,32 +40,22 @@ static const double BENT[BENDS][BENDS] = {
 
 /* ---------------------------------------------------------------- the law */
 
-/* The elastic force and its slope, of one power where the law is one: one root or pow() then gives both. */
-static film_at elastic_on(const film_line *line, const film_piece *piece, double xi) {
-    film_at at = {0.0, 0.0, 0.0};
-    double work;
-    if (line->branch >= 0 && piece->force.form == FILM_POWER) {
-        const film_function *g = &piece->force;
-        double x = scaled_distance(g, xi);
-        double power = g->coefficient == 0.0 ? 0.0 : g->coefficient * power_of(x, g->exponent);
-        at.force = g->constant + g->slope * x + power;
-        at.by_xi = power == 0.0 ? slope_at(g, xi) : g->slope + g->exponent * power / x;
-    } else {
-        contact_at(line, piece, xi, &at.force, &work);
-        at.by_xi = contact_slope(line, piece, xi);
-    }
-    return at;
-}
-
 /* F and its derivatives on the line's branch; below 0 where a damped contact would pull. */
 film_at film_law_on(const film_curve *curve, const film_line *line, double xi, double nu) {
     film_at at = {0.0, 0.0, 0.0};
+    double work, rise;
     if (line->branch == FILM_FREE) return at;
-    const film_piece *piece = line->branch >= 0 ? piece_at(curve, line->branch, xi) : NULL;
-    at = elastic_on(line, piece, xi);
-    if (line->damper > 0.0 && line->branch >= 0) {
-        at.by_nu = damping_at(curve, line, xi);
-        at.by_xi += line->damper * slope_at(&piece->damping, xi) * nu;
+    if (line->branch < 0) {
+        contact_at(line, NULL, xi, &at.force, &work);
+        at.by_xi = contact_slope(line, NULL, xi);
+        return at;
+    }
+    const film_piece *piece = piece_at(curve, line->branch, xi);
+    value_and_slope(&piece->force, xi, &at.force, &at.by_xi);
+    if (line->damper > 0.0) {
+        value_and_slope(&piece->damping, xi, &at.by_nu, &rise);
+        at.by_nu *= line->damper;
+        at.by_xi += line->damper * rise * nu;
         at.force += at.by_nu * nu;
     }
     return at;
@@ -132,20 +122,6 @@ void film_depth_polynomial(const film_modal *s, double bernstein[DEGREE + 1]) {
 
 /* ---------------------------------------------------------------- the step */
 
-/* Sums of w_n', if they are asked for, and w_n at the nodes without a force. */
-static void free_modes(const film_structure *structure, const film_table *table, const double *begin, int rates,
-                       double moved[NODES], double rate[NODES]) {
-    int32_t n = structure->modes;
-    const double *w = begin, *u = begin + n;
-    film_loops_of(structure)->free_sums(structure, table, begin, moved);
-    for (int at = 0; at < NODES; at++) {
-        const double *c = table->node_cos + (size_t)at * (size_t)n, *s = table->node_sin + (size_t)at * (size_t)n;
-        rate[at] = 0.0;
-        for (int32_t i = 0; i < n && rates; i++)
-            rate[at] += u[i] * (c[i] - structure->drag[i] * s[i]) - structure->square[i] * w[i] * s[i];
-    }
-}
-
 /* w_n and w_n' at the end of the step, and their sums into the state. */
 static void end_modes(const film_structure *structure, const film_table *table, film_modal *s, double *waves) {
     double p[NODES], sums[2];
@@ -177,8 +153,10 @@ static int solve_four(double a[NODES][NODES + 1], double x[NODES]) {
 
 static void set_equations(const film_structure *structure, const film_modal *s, const double *waves, const film_table *table,
                           double h, film_equations *e) {
-    double w[NODES], u[NODES], per = 1.0 / (s->unit * s->unit);
-    free_modes(structure, table, waves + begins_at(structure, s), s->contact.damper > 0.0, w, u);
+    double w[NODES], u[NODES] = {0.0}, per = 1.0 / (s->unit * s->unit);
+    const double *begin = waves + begins_at(structure, s);
+    film_loops_of(structure)->free_sums(structure, table, begin, w);
+    if (s->contact.damper > 0.0) film_loops_of(structure)->free_rates(structure, table, begin, u);
     for (int i = 0; i < NODES; i++) {
         double t = NODE_AT[i] * h;
         e->depth[i] = s->x + t * (s->v + 0.5 * per * s->load * t) - w[i];

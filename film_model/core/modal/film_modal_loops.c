@@ -46,6 +46,23 @@ static void free_sums(const film_structure *structure, const film_table *table, 
         for (size_t i = whole, k = (size_t)at * n + whole; i < n; i++, k++) moved[at] += w[i] * c[k] + u[i] * s[k];
 }
 
+static void free_rates(const film_structure *structure, const film_table *table, const double *begin, double rate[NODES]) {
+    size_t n = (size_t)structure->modes, whole = n - n % WIDE;
+    const double *w = begin, *u = begin + n, *square = structure->square, *drag = structure->drag;
+    for (int at = 0; at < NODES; at++) {
+        const double *c = table->node_cos + (size_t)at * n, *s = table->node_sin + (size_t)at * n;
+        lanes sum[PARTS] = {{0.0}};
+        for (size_t i = 0; i < whole; i += WIDE) {
+            for (int k = 0; k < PARTS; k++) {
+                size_t m = i + (size_t)(k * LANES);
+                sum[k] += AT(u, m) * (AT(c, m) - AT(drag, m) * AT(s, m)) - AT(square, m) * AT(w, m) * AT(s, m);
+            }
+        }
+        rate[at] = total(sum);
+        for (size_t i = whole; i < n; i++) rate[at] += u[i] * (c[i] - drag[i] * s[i]) - square[i] * w[i] * s[i];
+    }
+}
+
 static void move(const film_structure *structure, const film_table *table, const double *begin, double *end, const double p[NODES],
                  double sums[2]) {
     size_t n = (size_t)structure->modes, whole = n - n % WIDE;
@@ -207,4 +224,4 @@ static void fill(const film_structure *structure, const film_table *table, doubl
 #define FILM_LOOPS film_loops_plain
 #endif
 
-const film_loops FILM_LOOPS = {free_sums, move, fill};
+const film_loops FILM_LOOPS = {free_sums, free_rates, move, fill};

@@ -44,10 +44,11 @@ typedef struct {
     double *nodes, *node_rates;   /* [NODES][NODES]: sums over the modes of the responses at node i to the force at node j */
 } film_table;
 
-/* film_modal_loops.c, for one instruction set. free_sums: sum of w_n at the nodes without a force. move: w_n and w_n' at the
- * end of the step under the force sum p_k theta^k/k!, from `begin` to `end`; their sums. fill: a table. */
+/* film_modal_loops.c, for one instruction set. free_sums: sums of w_n at the nodes without a force; free_rates: of w_n'. move: w_n
+ * and w_n' at the end of the step under the force sum p_k theta^k/k!, from `begin` to `end`; their sums. fill: a table. */
 typedef struct {
     void (*free_sums)(const film_structure *structure, const film_table *table, const double *begin, double moved[NODES]);
+    void (*free_rates)(const film_structure *structure, const film_table *table, const double *begin, double rate[NODES]);
     void (*move)(const film_structure *structure, const film_table *table, const double *begin, double *end, const double p[NODES],
                  double sums[2]);
     void (*fill)(const film_structure *structure, const film_table *table, double h);

@@ -33,7 +33,9 @@ static void advance(film_sliding *sliding, grip now, double h, const double *fri
     sliding->work += s->mass * (0.5 * (before - s->v) * (before + s->v) + push * moved);
 }
 
-static double steps_for(const film_sliding *sliding, grip now, double dt) {
+/* Without friction one step is exact. */
+static double steps_for(const film_sliding *sliding, grip now, double dt, int32_t rows) {
+    if (sliding->springs.friction == 0.0 && sliding->springs.q == 0.0 && rows == 0) return 1.0;
     double rate = sqrt(fmax(now.slope, 1.0) / fmin(sliding->springs.mass, 1.0));
     return ceil(dt / fmin(LONGEST, OF_A_PERIOD / rate));
 }
@@ -69,7 +71,7 @@ int film_slide(const film_curve *curve, const film_mesh *mesh, const film_state 
         advance(sliding, (grip){0.0, 0.0}, dt, friction, rows);
         return FILM_OK;
     }
-    double count = steps_for(sliding, grip_of(curve, &state), dt);
+    double count = steps_for(sliding, grip_of(curve, &state), dt, rows);
     if (!spend(sliding, count)) return FILM_TOO_MANY;
     for (double k = 1.0; k <= count; k += 1.0) {
         int status = follow(curve, mesh, &state, from->time + dt * (k / count));
@@ -87,7 +89,7 @@ static int slide_step(const film_structure *structure, const film_curve *curve, 
         advance(sliding, (grip){0.0, 0.0}, dt, friction, rows);
         return FILM_OK;
     }
-    double count = steps_for(sliding, grip_of(curve, &step.contact), dt);
+    double count = steps_for(sliding, grip_of(curve, &step.contact), dt, rows);
     if (!spend(sliding, count)) return FILM_TOO_MANY;
     for (double k = 1.0; k <= count; k += 1.0) {
         step.tau = begin + time * (k / count);

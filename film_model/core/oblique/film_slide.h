@@ -10,7 +10,7 @@
 #include "modal/film_modal.h"
 #include "oblique/film_springs.h"
 
-enum { FILM_MOST_SLIDE_STEPS = 1000000 }; /* since the caller set `steps` to 0: a second */
+enum { FILM_MOST_SLIDE_STEPS = 400000 }; /* since the caller set `steps` to 0: a second */
 
 /* No pointer: copying it saves it. impulse: of the friction force. work: done on the motion along the surface
  * by that force, what the springs store included. watch: of the phases, its events of the last call and after so much of its time.

@@ -192,14 +192,13 @@ function unreached(accuracy, outcome) {
 
 /**
  * Largest change of the summary by the error of the static compliance, as of film_model/solve/vibration.py: _target_error.
- * @param {Scene} scene @param {Problem} problem @param {any} outcome @param {number} accuracy @param {number} limit
+ * @param {Scene} scene @param {Problem} problem @param {any} coarse the run before the last @param {number} accuracy @param {number} limit
  */
 function errorOfCompliance(scene, problem, { core, highest, tolerance }, accuracy, limit) {
   const { compliance, compliance_error: error = 0 } = supportNow(scene);
   const soft = core.maximum_force > 0 ? ((core.maximum_indentation / core.maximum_force) * problem.p.length) / problem.p.force : 0;
   if (error <= DATA.constants.vibration.negligible * accuracy * (soft + compliance)) return 0;
-  const [same, other] = [0, error].map((softer) => followed(scene, problem, highest / 2, tolerance, limit, softer).core);
-  return Math.max(...Object.values(differencesOf(problem, same, other)));
+  return Math.max(...Object.values(differencesOf(problem, core, followed(scene, problem, highest, tolerance, limit, error).core)));
 }
 
 /** The impact with as many modes as the accuracy needs, and the error estimate. @param {Scene} scene @param {Problem} problem */
@@ -262,7 +261,7 @@ function vibrate(scene, problem) {
     error = Math.max(...errors);
     if (error > accuracy && 2 * highest > support.highest) refuse();
     if (error <= accuracy || last) {
-      const own = errorOfCompliance(scene, problem, fine, accuracy, limit);
+      const own = errorOfCompliance(scene, problem, coarse, accuracy, limit);
       if (own > 0) fine = follow(fine.tolerance);
       return { ...fine, error: error + own, warning: error + own <= accuracy ? "" : unreached(accuracy, fine) };
     }

@@ -15,9 +15,10 @@
 enum { ROOT_STEPS = 80 }; /* bisections that leave no double between, with a margin */
 
 /* last terms of a step, over the scale, exact, coarse and quick; 30 reference values need 1e-13 */
-static const double TOLERANCE[3] = {1e-15, 1e-10, 3e-7};
+static const double TOLERANCE[3] = {1e-15, 1e-10, 1e-6};
 static const double ROUNDED = 4e-16; /* of a root, relative: Newton's steps are rounding from there on */
-static const double LONGEST = 0.5; /* of a step, in units of time: a few steps in a contact, which takes about 3 */
+static const double LONGEST[3] = {0.5, 0.5, 1.0}; /* of a step, in units of time, of which a contact takes about 3 */
+static const double NEAR = 0.5; /* of the way to z = 0, the longest quick step */
 
 double film_friction_force(const film_normal *normal, double z, double *slope) {
     double power = z > 0.0 ? normal->coefficient * pow(z, normal->exponent - 1.0)
@@ -51,18 +52,15 @@ double film_friction_first(const film_normal *normal, double rounding) {
     return fmin(depth, 0.3 * pow(rounding / fmax(fabs(normal->load), rounding), 1.0 / (least + 2.0)));
 }
 
-/* Term k of the product of two series; four sums, which do not wait for each other. */
+/* Term k of the product of two series; two sums, which do not wait for each other. */
 static double product(const double *a, const double *b, int k) {
-    double sum[4] = {0.0, 0.0, 0.0, 0.0};
+    double even = 0.0, odd = 0.0;
     int j = 0;
-    for (; j + 3 <= k; j += 4) {
-        sum[0] += a[j] * b[k - j];
-        sum[1] += a[j + 1] * b[k - j - 1];
-        sum[2] += a[j + 2] * b[k - j - 2];
-        sum[3] += a[j + 3] * b[k - j - 3];
+    for (; j < k; j += 2) {
+        even += a[j] * b[k - j];
+        odd += a[j + 1] * b[k - j - 1];
     }
-    for (; j <= k; j++) sum[0] += a[j] * b[k - j];
-    return (sum[0] + sum[1]) + (sum[2] + sum[3]);
+    return j == k ? even + a[k] * b[0] + odd : even + odd;
 }
 
 /* Term k of y = x^power for a series x with x[0] > 0, from x y' = power y x'. slopes: j x[j], and slopes[0] = 0. */
@@ -71,8 +69,9 @@ static void raise_term(const double *x, const double *slopes, double power, doub
         y[0] = pow(x[0], power);
         return;
     }
-    y[k] = 0.0;
-    y[k] = ((power + 1.0) / k * product(slopes, y, k) - product(x, y, k)) / x[0];
+    double share = (power + 1.0) / k, sum[2] = {0.0, 0.0};
+    for (int j = 1; j <= k; j++) sum[j % 2] += (share * slopes[j] - x[j]) * y[k - j];
+    y[k] = (sum[0] + sum[1]) / x[0];
 }
 
 /* The force along a series of depths: power = x^(exponent - 1), f and its slope. steps: k x[k]. */
@@ -178,9 +177,13 @@ static void clocked_series(const film_phase_rule *rule, const film_moment *at, f
         y[k + 1] = 0.5 * of->speed[k] / (k + 1);
         of->time[k + 1] = y[k] / (k + 1);
         of->nu[k + 1] = product(y, pull, k) / (k + 1);
-        of->D[k + 1] = product(y, of->v, k) / (k + 1);
+        of->D[k + 1] = rule->coarse == FILM_FRICTION_QUICK ? 0.0 : product(y, of->v, k) / (k + 1); /* for rows only */
+        if (!sticks) {
+            of->v[k + 1] = rule->sign * rule->rate * (of->nu[k + 1] - normal->load * of->time[k + 1]); /* of the impulse */
+            continue;
+        }
         of->v[k + 1] = -rule->rate * product(y, of->q, k) / (k + 1);
-        if (sticks) of->q[k + 1] = product(slope, of->v, k) / (k + 1);
+        of->q[k + 1] = product(slope, of->v, k) / (k + 1);
     }
 }
 
@@ -227,10 +230,11 @@ static void watch_terms(const double *series, double scale, double last[2]) {
 }
 
 double film_friction_length(const film_phase_rule *rule, const film_taylor *of, double scale) {
-    double last[2] = {0.0, 0.0}, h = LONGEST;
+    double last[2] = {0.0, 0.0}, h = LONGEST[rule->coarse];
     watch_terms(of->nu, 1.0, last);
     watch_terms(of->v, scale, last);
-    if (rule->kind == FILM_STICKS || rule->coarse == FILM_FRICTION_QUICK) watch_terms(of->q, scale, last); /* quick steps are long */
+    int long_slip = rule->coarse == FILM_FRICTION_QUICK && rule->kind == FILM_SLIPS;
+    if (rule->kind == FILM_STICKS || long_slip) watch_terms(of->q, scale, last);
     if (rule->kind == FILM_SLIPS) {
         watch_terms(of->P, scale, last);
         watch_terms(of->c, 1.0, last);
@@ -239,6 +243,9 @@ double film_friction_length(const film_phase_rule *rule, const film_taylor *of, 
     for (int k = 0; k < 2; k++) {
         if (last[k] > 0.0) h = fmin(h, pow(TOLERANCE[rule->coarse] / last[k], 1.0 / (FILM_FRICTION_ORDER - 1 + k)));
     }
+    /* where the terms of z^n, n near 1, are small up to z = 0, although the series ends there */
+    int near_line = rule->normal.exponent > 1.0 && rule->normal.exponent < 1.5 && rule->kind != FILM_SLIPS;
+    if (rule->coarse == FILM_FRICTION_QUICK && near_line) h = fmin(h, NEAR * of->z[0] / fabs(of->z[1]));
     return h;
 }
 

@@ -15,7 +15,6 @@ static const double SMALLEST = 1e-6;  /* depth, over D' over approach, below whi
 static const double AT_TURN = 1e-11;  /* z' over approach: no time to stick before the turn; test at psi1 = 2 chi */
 static const double SAME = 1e-12;     /* depths, relative, between which no piece of the path fits */
 static const double SINGULAR = 1e-7;  /* U over approach: the rest of the piece changes P by the square of this */
-static const double HIGHEST = 5.0;    /* exponent of free sliding, for the rule of its time */
 static const double UNRESOLVED = 1e-15; /* step over time, where it is over first; test of slow impacts under a load */
 
 /* A piece of the path. end: where it ends; on a stuck piece with nu and D' there. slope: of a straight one. */
@@ -239,39 +238,14 @@ static int ends_now(impact *in, const film_taylor *of) {
     return 1;
 }
 
-/* Time from z = 0 to the speed nu > 0 under one power alone: z^(n + 1) = sin^2 theta, nu = cos theta; over theta^(2/(n + 1)) by Gauss's
- * rule, of which an error of 3e-6 is left for n = 5, and 1e-7 for 3. */
-static double time_to(double n, double nu) {
-    static const double AT[3] = {0.23861918608319693, 0.66120938646626448, 0.93246951420315205};
-    static const double WEIGHTS[3] = {0.46791393457269104, 0.36076157304813861, 0.17132449237917036};
-    double whole = pow(acos(fmin(nu, 1.0)), 2.0 / (n + 1.0)), sum = 0.0;
-    for (int k = 0; k < 6; k++) {
-        double x = 0.5 * (k < 3 ? 1.0 + AT[k] : 1.0 - AT[k - 3]), theta = pow(x * whole, 0.5 * (n + 1.0));
-        sum += WEIGHTS[k % 3] * (n == 1.0 ? 1.0 : pow(theta / sin(theta), (n - 1.0) / (n + 1.0)));
-    }
-    return 0.5 * whole * sum;
-}
-
-/* Sliding in closed form where nothing but one power acts, for quick solutions: the friction takes rate times the normal impulse.
- * The event that ends it; NOTHING if it is not known. */
+/* Sliding in closed form, where it is known: the event that ends it; else NOTHING. */
 static int slide_freely(impact *in) {
-    const film_normal *normal = &in->rule.normal;
-    film_moment *now = &in->now;
-    double n = normal->coefficient == 0.0 ? 1.0 : normal->exponent, s = in->rule.sign, rate = in->rule.rate, begin = now->nu;
-    int alone = (normal->coefficient == 0.0 || normal->slope == 0.0) && normal->gamma == 0.0 && normal->load == 0.0;
-    if (in->rule.kind != FILM_SLIDES || in->rule.coarse != FILM_FRICTION_QUICK || in->rule.flat || !alone || n > HIGHEST) return NOTHING;
-    double stops = (s * now->v - rate * begin) / (1.0 - rate); /* nu where w' = 0 */
-    int event = stops > -1.0 && stops < begin ? TURNS : ENDS;
-    now->nu = event == TURNS ? stops : -1.0;
-    now->v -= s * rate * (begin - now->nu);
-    now->z = event == TURNS ? pow(1.0 - stops * stops, 1.0 / (n + 1.0)) : 0.0;
-    now->q = s * force_of(in, now->z);
-    double top = time_to(n, 0.0), to[2] = {time_to(n, fabs(begin)), now->nu == -1.0 ? 0.0 : time_to(n, fabs(now->nu))};
-    double turn = now->time + (begin > 0.0 ? top - to[0] : to[0] - top);
-    now->time = turn + (now->nu > 0.0 ? to[1] - top : top - to[1]);
-    if (begin > 0.0 && now->nu < 0.0) keep_force(in, force_of(in, 1.0), turn);
-    keep_force(in, now->q, now->time);
-    return event;
+    double turn;
+    int stops = film_friction_slide(&in->rule, &in->now, &turn);
+    if (stops < 0) return NOTHING;
+    if (turn > 0.0) keep_force(in, force_of(in, 1.0), turn);
+    keep_force(in, in->now.q, in->now.time);
+    return stops ? TURNS : ENDS;
 }
 
 /* On to the end of the phase; the event that ends it. */
@@ -376,13 +350,6 @@ static void touch(impact *in, double velocity) {
     }
 }
 
-double film_friction_depth(const film_normal *normal) {
-    double n = normal->exponent, work = 0.5 * normal->approach * normal->approach, depth = INFINITY;
-    if (normal->slope > 0.0) depth = sqrt(2.0 * work / normal->slope);
-    if (normal->coefficient > 0.0) depth = fmin(depth, pow((n + 1.0) * work / normal->coefficient, 1.0 / (n + 1.0)));
-    return depth;
-}
-
 /* The results in the caller's units, of those with the depth and the approach velocity as units. factor: of D'. */
 static void scale_back(impact *in, double depth, double approach, double factor) {
     film_friction_result *result = in->result;
@@ -396,12 +363,6 @@ static void scale_back(impact *in, double depth, double approach, double factor)
     result->force *= force;
     result->time_of_force *= time;
     result->duration = time * in->now.time;
-}
-
-int film_friction_sound(const film_normal *normal, double rate, double velocity) {
-    double a = normal->approach, work = normal->slope + normal->coefficient;
-    int signs = normal->slope >= 0.0 && normal->coefficient >= 0.0 && normal->gamma >= 0.0 && work > 0.0 && a > 0.0 && rate > 0.0;
-    return signs && normal->exponent >= 1.0 && velocity != 0.0 && isfinite(work + normal->exponent + a + rate + velocity);
 }
 
 int film_friction(const film_normal *normal, double rate, double velocity, int coarse, film_friction_result *result, double *rows,

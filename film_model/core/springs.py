@@ -112,8 +112,9 @@ def impact(
 
 
 def many(count: int, numbers: Array, friction: Array, force: Array, radius: Array) -> NDArray[Any]:
-    """Results (MANY_DTYPE) of impacts without their motions. numbers: modulus, power, mass, velocity and time of a step,
-    (impacts, 5). friction: pairs as in :func:`impact`, of all or (impacts, pairs, 2). force, radius: (impacts, times)."""
+    """Results (MANY_DTYPE) of impacts without their motions. numbers: modulus, power, mass, velocity and time of a
+    step, (impacts, 5). friction: pairs as in :func:`impact`, of all or (impacts, pairs, 2). force, radius: (impacts,
+    times)."""
     numbers, friction, force, radius = (
         np.ascontiguousarray(values, np.float64) for values in (numbers, friction, force, radius)
     )

@@ -335,7 +335,7 @@ static void next_phase(impact *in, int event) {
 static void touch(impact *in, double velocity) {
     int stick = fabs(velocity) <= 1.0;
     in->part = stick ? velocity : copysign(1.0, velocity);
-    double first = film_friction_first(&in->rule.normal, ROUNDING[in->rule.coarse]);
+    double first = film_friction_first(&in->rule.normal, ROUNDING[in->rule.coarse > 0]);
     in->now = film_friction_touched(&in->rule, in->part, first, velocity);
     in->velocity = velocity;
     in->rule.sign = copysign(1.0, velocity);

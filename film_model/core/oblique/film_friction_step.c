@@ -15,9 +15,9 @@
 enum { ROOT_STEPS = 80 }; /* bisections that leave no double between, with a margin */
 
 /* last terms of a step, over the scale, exact, coarse and quick; 30 reference values need 1e-13 */
-static const double TOLERANCE[3] = {1e-15, 1e-10, 1e-6};
+static const double TOLERANCE[3] = {1e-15, 1e-10, 3e-7};
 static const double ROUNDED = 4e-16; /* of a root, relative: Newton's steps are rounding from there on */
-static const double LONGEST[3] = {0.5, 0.5, 1.0}; /* of a step, in units of time, of which a contact takes about 3 */
+static const double LONGEST = 0.5; /* of a step, in units of time: a few steps in a contact, which takes about 3 */
 static const double HIGHEST = 5.0; /* exponent of closed sliding, for the rule of its time */
 static const double NEAR = 0.5; /* of the way to z = 0, the longest quick step */
 
@@ -244,11 +244,10 @@ static void watch_terms(const double *series, double scale, double last[2]) {
 }
 
 double film_friction_length(const film_phase_rule *rule, const film_taylor *of, double scale) {
-    double last[2] = {0.0, 0.0}, h = LONGEST[rule->coarse];
+    double last[2] = {0.0, 0.0}, h = LONGEST;
     watch_terms(of->nu, 1.0, last);
     watch_terms(of->v, scale, last);
-    int long_slip = rule->coarse == FILM_FRICTION_QUICK && rule->kind == FILM_SLIPS;
-    if (rule->kind == FILM_STICKS || long_slip) watch_terms(of->q, scale, last);
+    if (rule->kind == FILM_STICKS || rule->coarse == FILM_FRICTION_QUICK) watch_terms(of->q, scale, last); /* quick steps are long */
     if (rule->kind == FILM_SLIPS) {
         watch_terms(of->P, scale, last);
         watch_terms(of->c, 1.0, last);

@@ -42,7 +42,7 @@ class Springs(c.Structure):
     _fields_ = (
         [(name, _D) for name in ("stiffness", "width", "power", "friction", "mass", "v", "q", "rise", "push", "radius")]
         + [("u", _D * MOST), ("reach", _D * MOST), ("sums", _D * (MOST + 1))]
-        + [(name, _I) for name in ("count", "stuck", "watched", "cut")]
+        + [(name, _I) for name in ("count", "stuck", "watched", "cut", "even", "reserved")]
     )
 
 

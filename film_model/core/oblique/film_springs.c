@@ -106,8 +106,8 @@ void film_springs_step(film_springs *state, double time, double force, double ra
     for (int32_t j = touch; j < met; j++) state->u[j] = 0.0;
     state->q = state->stiffness * sum_of(state->u, touch);
     double change = state->q - before;
-    state->v += time * state->push - a_time * (0.5 * (before + state->q) - (change - rise) / 12.0);
-    state->rise = touch > 0 && time > 0.0 ? change / time : 0.0; /* 0: a step in flight may be long */
+    state->v += time * state->push - a_time * (0.5 * (before + state->q) - (state->even ? (change - rise) / 12.0 : 0.0));
+    state->rise = state->even && time > 0.0 ? change / time : 0.0;
     state->radius = radius;
 }
 
@@ -197,6 +197,7 @@ int film_springs_impact(int32_t count, double modulus, double power, double mass
     for (int32_t k = 0, n = count; k < 3; k++, n /= 2) {
         double to = power > 0.0 ? largest * (n / (n + EDGE)) : largest;
         if (film_springs_init(all[k], n, modulus, to, power, friction[1], mass, velocity) != FILM_OK) return FILM_BAD_NUMBER;
+        all[k]->even = 1;
     }
     if (motion) motion[0] = velocity, motion[1] = motion[2] = 0.0;
     for (int64_t i = 1; i <= steps; i++) {

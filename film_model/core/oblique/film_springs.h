@@ -2,7 +2,7 @@
  *
  * Springs at radii r share the tangential stiffness 8 G_star a and the normal force like those of Popov's reduction, the spring at r as
  * the depth since the contact has reached it: a^power - r^power, where the depth grows as a^power; 2 for a sphere. Errors fall as the
- * square of one over the number of springs and, in smooth motions, as the third power of one over that of steps. Units: any consistent ones.
+ * square of one over the number of springs and of steps. Units: any consistent ones.
  * Nothing is allocated; copying a film_springs saves it. */
 #ifndef FILM_SPRINGS_H
 #define FILM_SPRINGS_H
@@ -22,7 +22,7 @@ typedef struct {
     double stiffness, width, power, friction, mass, v, q, rise, push, radius;
     double u[FILM_MOST_SPRINGS], reach[FILM_MOST_SPRINGS]; /* reach: (r/width)^power; 0 for a power of 0 */
     double sums[FILM_MOST_SPRINGS + 1];                    /* of the first values of reach */
-    int32_t count, stuck, watched, cut;
+    int32_t count, stuck, watched, cut, even, reserved; /* even: 1 if all steps are of one time */
 } film_springs;
 
 /* The phases of springs that are watched. passed: time since it began. phase: of FILM_STICKS .. FILM_SLIDES in film_friction.h, or
@@ -42,8 +42,9 @@ FILM_API int film_springs_init(film_springs *state, int32_t count, double modulu
 /* The power of a law: 1/(n - 1) of a reversible force ~ xi^n, n > 1, at most FILM_MOST_POWER, and 0 of a linear one; 2 of others. */
 FILM_API double film_springs_power(const film_curve *curve);
 
-/* Forward by a time >= 0, at the end of which the contact has this normal force and radius; both 0 without contact. By
- * Adams's rules: with the friction force before and its rise to move, and with that after to gain velocity. */
+/* Forward by a time >= 0, at the end of which the contact has this normal force and radius; both 0 without contact. By the
+ * rule of the midpoint, half a step with the friction force before, half with that after; in even steps by Adams's rules of third
+ * order, with the rise of that force in the step before too. */
 FILM_API void film_springs_step(film_springs *state, double time, double force, double radius);
 
 /* The phase after a step of a time in which the radius was `before` at its beginning. */

@@ -36,12 +36,13 @@ class Watch(c.Structure):
 
 
 class Springs(c.Structure):
-    """film_springs: springs at one moment; v: sliding velocity, q: friction force, push: other acceleration."""
+    """film_springs: springs at one moment; v: sliding velocity, q: friction force, rise: its rate,
+    push: other acceleration."""
 
     _fields_ = (
-        [(name, _D) for name in ("stiffness", "width", "power", "friction", "mass", "v", "q", "push", "radius")]
-        + [("u", _D * MOST), ("reach", _D * MOST)]
-        + [(name, _I) for name in ("count", "stuck", "watched", "cut")]
+        [(name, _D) for name in ("stiffness", "width", "power", "friction", "mass", "v", "q", "rise", "push", "radius")]
+        + [("u", _D * MOST), ("reach", _D * MOST), ("sums", _D * (MOST + 1))]
+        + [(name, _I) for name in ("count", "stuck", "watched", "cut", "even", "reserved")]
     )
 
 
@@ -57,23 +58,33 @@ class Impact(c.Structure):
     )
 
 
+MANY_DTYPE = np.dtype(
+    [(name, np.float64) for name in ("velocity", "force", "error")]
+    + [("step", np.int64), ("regime", np.int32), ("status", np.int32)]
+)
+"""film_springs_brief, as :class:`Impact`."""
+
+
 @lru_cache(maxsize=1)
 def _library() -> Any:
     """The core's library, with the functions of film_springs.h declared."""
     lib, pointer, i64 = native.library(), c.c_void_p, c.c_int64
     signatures: dict[str, tuple[list[Any], Any]] = {
         "film_springs_impact": ([_I, *[_D] * 4, pointer, _I, _D, i64, *[pointer] * 4], c.c_int),
-        "film_springs_radii": ([i64, *[pointer] * 3, _D, pointer, pointer], None),
+        "film_springs_radii": ([i64, i64, *[pointer] * 3, _D, pointer, pointer], None),
         "film_springs_power": ([pointer], _D),
         "film_springs_slopes": ([pointer, i64, *[pointer] * 3], None),
         "film_springs_energy": ([pointer], _D),
-        "film_springs_size": ([], i64),
+        "film_springs_many": ([i64, _I, pointer, pointer, _I, c.c_int, i64, *[pointer] * 3], None),
+        "film_springs_sizes": ([pointer], None),
     }
     for name, (arguments, result) in signatures.items():
         function = getattr(lib, name)
         function.argtypes = arguments
         function.restype = result
-    if lib.film_springs_size() != c.sizeof(Springs):
+    sizes = (c.c_int64 * 2)()
+    lib.film_springs_sizes(sizes)
+    if list(sizes) != [c.sizeof(Springs), MANY_DTYPE.itemsize]:
         raise ImportError("the core was built from other sources: install the package again (pip install .)")
     return lib
 
@@ -100,12 +111,28 @@ def impact(
     return found if status == native.OK else None, motion
 
 
+def many(count: int, numbers: Array, friction: Array, force: Array, radius: Array) -> NDArray[Any]:
+    """Results (MANY_DTYPE) of impacts without their motions. numbers: modulus, power, mass, velocity and time of a
+    step, (impacts, 5). friction: pairs as in :func:`impact`, of all or (impacts, pairs, 2). force, radius: (impacts,
+    times)."""
+    numbers, friction, force, radius = (
+        np.ascontiguousarray(values, np.float64) for values in (numbers, friction, force, radius)
+    )
+    found: NDArray[Any] = np.empty(len(force), MANY_DTYPE)
+    table = friction.ctypes.data, friction.shape[-2], friction.ndim == 2
+    at = force.ctypes.data, radius.ctypes.data, found.ctypes.data
+    _library().film_springs_many(len(force), count, numbers.ctypes.data, *table, force.shape[1] - 1, *at)
+    return found
+
+
 def radii(force: Array, depth: Array, law: Array, modulus: float) -> tuple[Array, Array]:
-    """Contact radii of a contact that yields by two models, at recorded forces and depths. law: radii of its law."""
+    """Contact radii of contacts that yield by two models, at recorded forces and depths, of one or (impacts, times).
+    law: radii of the law."""
     force, depth, law = (np.ascontiguousarray(values, np.float64) for values in (force, depth, law))
-    first, second = np.empty(force.size), np.empty(force.size)
+    first, second = np.empty(force.shape), np.empty(force.shape)
     at = [array.ctypes.data for array in (force, depth, law, first, second)]
-    _library().film_springs_radii(force.size, *at[:3], modulus, *at[3:])
+    count = force.shape[-1]
+    _library().film_springs_radii(force.size // count, count, *at[:3], modulus, *at[3:])
     return first, second
 
 

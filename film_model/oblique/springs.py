@@ -1,6 +1,6 @@
 """Friction in any contact, by many springs beside each other that slip: for laws that yield or are damped.
 
-The core has the springs (core/springs.py). Errors fall as the square of one over their number and steps; they are
+The core has the springs (core/springs.py). Errors fall as the square of one over their number; they are
 estimated from half and a quarter of both.
 """
 

@@ -59,10 +59,13 @@ def by_springs(problem: Problem, normal: Normal, solver: Solver) -> Iterator[tup
     accuracy = solver.accuracy or DEFAULT_ACCURACY
     levels = springs.LEVELS if coarseness(solver) else springs.LEVELS[-1:]
     tolerance = accuracy if problem.curve.reversible else max(accuracy, springs.MODELLED)
+    # twice the segments with which the ends meet the accuracy: the force between is up to 1e-3 less exact if damped
+    # (tests/test_friction_estimate.py)
+    segments = np.minimum(2 * recorded_segments(problem, solver, normal.segments), MOST_SEGMENTS)
     for begin in range(0, normal.status.size, at_once):
         places = np.arange(begin, min(begin + at_once, normal.status.size))
         part, motion = problem.part(places), normal.of(places)
-        found = _followed(_Motions(part, motion.segments, motion.duration, solver), motion.rebound, tolerance, levels)
+        found = _followed(_Motions(part, segments[places], motion.duration, solver), motion.rebound, tolerance, levels)
         known, summary, regime, error = found
         estimated = error[known] + springs.error_of_force(motion.estimated[known])
         yield places[known], {name: value[known] for name, value in summary.items()}, regime[known], estimated
@@ -70,7 +73,7 @@ def by_springs(problem: Problem, normal: Normal, solver: Solver) -> Iterator[tup
 
 @dataclass(frozen=True)
 class _Motions:
-    """Normal motions of impacts, by the lines of their meshes and curves. durations: s."""
+    """Normal motions of impacts, by lines on their curves. segments: of their meshes. durations: s."""
 
     problem: Problem
     segments: NDArray[np.int32]
@@ -83,10 +86,7 @@ class _Motions:
         problem, times = self.problem.part(places), np.linspace(0.0, 1.0, steps + 1) * self.durations[places, None]
         scales = problem.scales.part((slice(None), None))
         ahead, values = times / scales.time, np.full((5, *times.shape), np.nan)
-        own, curves = recorded_segments(problem, self.solver, self.segments[places]), list(_curves(problem))
-        # twice the segments, as the force between their ends is less exact: up to 1e-3 of a damped one
-        # (tests/test_friction_estimate.py)
-        own = np.minimum(2 * own, MOST_SEGMENTS)
+        own, curves = self.segments[places], list(_curves(problem))
         for of, curve in curves:
             for counts in sorted(set(map(tuple, own[of].tolist()))):
                 alike, mesh = of[(own[of] == counts).all(axis=1)], mesh_of(self.solver, counts)
@@ -112,8 +112,7 @@ def _radii(
             scales, modulus = own.scales.part((slice(None), None)), column(own.scene.effective_modulus, of.size)
             radius[of] = elastic_radius(curve, scales, modulus[:, None], depth[of], force[of])
     if not problem.curve.reversible:
-        law = np.ascontiguousarray(radius_beyond_yield(problem, depth.T, force.T).T)
-        radius = np.array([core.radii(*row, 1.0)[0] for row in zip(force, depth, law, strict=True)])
+        radius, _ = core.radii(force, depth, radius_beyond_yield(problem, depth.T, force.T).T, 1.0)
     return radius, powers
 
 
@@ -135,30 +134,28 @@ def _followed(
     scene = problem.impacts.scene
     given = sliding_of(scene, at_rest=True)
     assert given is not None
-    names, alike = ("modulus", "mass", "velocity"), given.table is not None
-    numbers = np.array([column(getattr(given, name), count) for name in names]).T
-    pairs = given.pairs if alike else np.stack([np.zeros(count), column(given.friction, count)], axis=1)[:, None]
+    modulus, mass, velocity = (column(getattr(given, name), count) for name in ("modulus", "mass", "velocity"))
+    friction = column(given.friction, count)
+    pairs = np.stack([np.zeros(count), friction], axis=1)[:, None]
     after, peak, when, error = np.full((4, count), np.nan)
     regime = np.full(count, -1, np.int8)
     left = np.arange(count)
     for level, steps in levels:
-        for row, t, f, r, power in zip(left.tolist(), *motions.at(left, steps), strict=True):
-            modulus, *others = numbers[row].tolist()
-            table = pairs if alike else pairs[row]
-            run, *_ = core.impact(level, (modulus, float(power), *others), table, float(t[1]), f, r)
-            if run is not None:
-                after[row], peak[row], error[row] = run.velocity, run.force, springs.SAFETY * run.error
-                when[row], regime[row] = t[run.step], run.regime
-        left = left[error[left] > tolerance * abs(numbers[left, 2])]
+        t, force, radius, power = motions.at(left, steps)
+        numbers = np.stack([modulus[left], power, mass[left], velocity[left], t[:, 1]], axis=1)
+        run = core.many(level, numbers, pairs[left] if given.table is None else given.pairs, force, radius)
+        known = run["status"] == native.OK
+        rows, run, t = left[known], run[known], t[known]
+        after[rows], peak[rows], error[rows] = run["velocity"], run["force"], springs.SAFETY * run["error"]
+        when[rows], regime[rows] = t[np.arange(rows.size), run["step"]], run["regime"]
+        left = left[error[left] > tolerance * abs(velocity[left])]
         if left.size == 0:
             break
-    impulse, friction = (
-        column(value, count) for value in (normal_impulse(scene, problem, rebound, motions.durations), given.friction)
-    )
+    impulse = column(normal_impulse(scene, problem, rebound, motions.durations), count)
     for row in np.flatnonzero(regime == REGIMES.index(THROUGHOUT)).tolist():
-        own = given._replace(friction=friction[row], mass=numbers[row, 1], velocity=numbers[row, 2])
+        own = given._replace(friction=friction[row], mass=mass[row], velocity=velocity[row])
         after[row] = slid(own, float(impulse[row]))
     found = results(scene, given, rebound, after, (peak, when))
     summary = {name: column(value, count) for name, value in found.items()}
     with np.errstate(divide="ignore", invalid="ignore"):
-        return after == after, summary, regime, error / abs(numbers[:, 2])
+        return after == after, summary, regime, error / abs(velocity)

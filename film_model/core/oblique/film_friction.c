@@ -159,11 +159,14 @@ static void write_rows(impact *in, const film_taylor *of, double h) {
     }
 }
 
+static void keep_force(impact *in, double q, double time) {
+    if (fabs(q) <= in->result->force) return;
+    in->result->force = fabs(q);
+    in->result->time_of_force = time;
+}
+
 static void watch_at(impact *in, const film_taylor *of, const film_powers *at) {
-    double q = fabs(film_friction_sum(of->q, at->value));
-    if (q <= in->result->force) return;
-    in->result->force = q;
-    in->result->time_of_force = in->now.time + film_friction_sum(of->time, at->value);
+    keep_force(in, film_friction_sum(of->q, at->value), in->now.time + film_friction_sum(of->time, at->value));
 }
 
 /* Keeps the largest |q|: at the end of a step, or where its slope changes sign within. */
@@ -235,12 +238,24 @@ static int ends_now(impact *in, const film_taylor *of) {
     return 1;
 }
 
+/* Sliding in closed form, where it is known: the event that ends it; else NOTHING. */
+static int slide_freely(impact *in) {
+    double turn;
+    int stops = film_friction_slide(&in->rule, &in->now, &turn);
+    if (stops < 0) return NOTHING;
+    if (turn > 0.0) keep_force(in, force_of(in, 1.0), turn);
+    keep_force(in, in->now.q, in->now.time);
+    return stops ? TURNS : ENDS;
+}
+
 /* On to the end of the phase; the event that ends it. */
 static int phase(impact *in) {
     film_taylor of;
     film_powers end;
     while (in->result->steps++ < FILM_FRICTION_STEPS) {
         if (at_singular_end(in)) return CORNER;
+        int closed = slide_freely(in);
+        if (closed != NOTHING) return closed;
         film_friction_series(&in->rule, &in->now, &of);
         if (slides_now(in, &of)) return CORNER;
         if (ends_now(in, &of)) return ENDS;
@@ -335,13 +350,6 @@ static void touch(impact *in, double velocity) {
     }
 }
 
-double film_friction_depth(const film_normal *normal) {
-    double n = normal->exponent, work = 0.5 * normal->approach * normal->approach, depth = INFINITY;
-    if (normal->slope > 0.0) depth = sqrt(2.0 * work / normal->slope);
-    if (normal->coefficient > 0.0) depth = fmin(depth, pow((n + 1.0) * work / normal->coefficient, 1.0 / (n + 1.0)));
-    return depth;
-}
-
 /* The results in the caller's units, of those with the depth and the approach velocity as units. factor: of D'. */
 static void scale_back(impact *in, double depth, double approach, double factor) {
     film_friction_result *result = in->result;
@@ -355,12 +363,6 @@ static void scale_back(impact *in, double depth, double approach, double factor)
     result->force *= force;
     result->time_of_force *= time;
     result->duration = time * in->now.time;
-}
-
-int film_friction_sound(const film_normal *normal, double rate, double velocity) {
-    double a = normal->approach, work = normal->slope + normal->coefficient;
-    int signs = normal->slope >= 0.0 && normal->coefficient >= 0.0 && normal->gamma >= 0.0 && work > 0.0 && a > 0.0 && rate > 0.0;
-    return signs && normal->exponent >= 1.0 && velocity != 0.0 && isfinite(work + normal->exponent + a + rate + velocity);
 }
 
 int film_friction(const film_normal *normal, double rate, double velocity, int coarse, film_friction_result *result, double *rows,

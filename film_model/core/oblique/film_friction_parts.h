@@ -53,6 +53,10 @@ void film_friction_series(const film_phase_rule *rule, const film_moment *at, fi
 /* The longest step whose last terms are below the tolerance. scale: of D'. */
 double film_friction_length(const film_phase_rule *rule, const film_taylor *series, double scale);
 
+/* Sliding in closed form to where it ends, at z = 0 or where w' = 0, for quick solutions under one power alone: friction takes rate times
+ * the normal impulse. turn: when z is largest, if that is between; else 0. 1: w' = 0; 0: contact ends; -1: not known. */
+int film_friction_slide(const film_phase_rule *rule, film_moment *now, double *turn);
+
 /* Powers of a time, or clock, in a step: sums with a series are its value and its slope there. */
 typedef struct {
     double t, value[FILM_TERMS], slope[FILM_TERMS];

@@ -8,6 +8,7 @@
 #define film_friction_powers quick_powers
 #define film_friction_root quick_root
 #define film_friction_series quick_series
+#define film_friction_slide quick_slide
 #define film_friction_sound quick_sound
 #define film_friction_sum quick_sum
 #define film_friction_touched quick_touched

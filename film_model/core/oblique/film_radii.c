@@ -17,8 +17,8 @@ static double loading_slope(int64_t i, int64_t last, const double *force, const 
          + before / (after * both) * force[i + 1];
 }
 
-void film_springs_radii(int64_t count, const double *force, const double *depth, const double *law, double modulus, double *first,
-                        double *second) {
+static void radii_of_one(int64_t count, const double *force, const double *depth, const double *law, double modulus, double *first,
+                         double *second) {
     int64_t turn = 0;
     double left = 0.0;
     for (int64_t i = 0; i < count; i++) {
@@ -34,6 +34,14 @@ void film_springs_radii(int64_t count, const double *force, const double *depth,
         first[i] = force[i] > 0.0 ? (i <= turn ? in_loading : in_dent) : 0.0;
         second[i] = force[i] > 0.0 ? (i <= turn ? known(loading_slope(i, turn, force, depth) / (2.0 * modulus)) : in_dent) : 0.0;
         if (i == turn) whole = first[i];
+    }
+}
+
+void film_springs_radii(int64_t impacts, int64_t count, const double *force, const double *depth, const double *law, double modulus,
+                        double *first, double *second) {
+    for (int64_t i = 0; i < impacts; i++) {
+        int64_t at = i * count;
+        radii_of_one(count, force + at, depth + at, law + at, modulus, first + at, second + at);
     }
 }
 

@@ -25,12 +25,12 @@ static grip grip_of(const film_curve *curve, const film_state *state) {
 static void advance(film_sliding *sliding, grip now, double h, const double *friction, int32_t rows) {
     film_springs *s = &sliding->springs;
     film_springs_take(s, h, friction, rows);
-    double force = s->q, before = s->v, push = s->push, radius = s->radius;
+    double before = s->v, radius = s->radius;
     film_springs_step(s, h, now.force, now.slope);
     film_springs_watch(&sliding->watch, s, radius, h);
-    double moved = (before + 0.5 * h * (push - force / s->mass)) * h;
-    sliding->impulse += 0.5 * h * (force + s->q);
-    sliding->work += s->mass * (0.5 * (before - s->v) * (before + s->v) + push * moved);
+    double impulse = s->mass * (before - s->v + s->push * h);
+    sliding->impulse += impulse;
+    sliding->work += 0.5 * (before + s->v) * impulse;
 }
 
 /* Without friction one step is exact. */

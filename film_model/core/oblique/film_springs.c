@@ -11,6 +11,9 @@ enum {
     PERSISTS = 5 /* steps in which not all slip, before that is a phase: where sliding ends, all stop within less */
 };
 
+/* Of a width, beyond the last spring but half a width: sums over springs are as integrals up to an edge there, where forces fall to 0 in
+ * proportion to the distance, as B2(1/2 + 1/sqrt(12)) = 0; so where the contact is largest. */
+static const double EDGE = 0.28867513459481287;
 static const double SPHERE = 2.0;  /* power of a sphere */
 static const double SECOND = 0.25;   /* differences fall by this when springs and steps are doubled: the rest is a third of the last */
 static const double SLOWEST = 0.75;  /* the most by which they are taken to fall */
@@ -43,13 +46,16 @@ int film_springs_init(film_springs *state, int32_t count, double modulus, double
     state->width = largest / count;
     state->stiffness = 8.0 * modulus * state->width;
     state->power = power, state->friction = friction, state->mass = mass, state->v = velocity;
-    for (int32_t j = 0; power > 0.0 && j < count; j++) state->reach[j] = reached(state, (j + 0.5) * state->width);
+    for (int32_t j = 0; power > 0.0 && j < count; j++) {
+        state->reach[j] = reached(state, (j + 0.5) * state->width);
+        state->sums[j + 1] = state->sums[j] + state->reach[j];
+    }
     return FILM_OK;
 }
 
-/* Springs of twice the distance, until there is one at a radius: half as many for what there is, and new ones beyond. */
+/* Springs of twice the distance, until none beyond the last is reached at a radius: half as many for what there is, and new ones beyond. */
 static void widen(film_springs *state, double radius) {
-    for (int twice = 0; state->width * state->count < radius && twice < 1100; twice++) {
+    for (int twice = 0; state->width * (state->count + 0.5) < radius && twice < 1100; twice++) {
         int32_t half = state->count / 2;
         for (int32_t j = 0; j < half; j++) state->u[j] = 0.5 * (state->u[2 * j] + state->u[2 * j + 1]);
         for (int32_t j = half; j < state->count; j++) state->u[j] = 0.0;
@@ -64,27 +70,27 @@ static int32_t touching(const film_springs *state, double radius) {
     return springs <= 0.0 ? 0 : (int32_t)fmin(springs, state->count);
 }
 
-/* Sum of the first values, or of what a number exceeds them by; four sums, which do not wait for each other. */
-static double sum_of(const double *values, int32_t count, double scale, double top) {
+/* Sum of the first values; four sums, which do not wait for each other. */
+static double sum_of(const double *values, int32_t count) {
     double sum[4] = {0.0, 0.0, 0.0, 0.0};
     int32_t j = 0;
     for (; j + 4 <= count; j += 4) {
-        for (int k = 0; k < 4; k++) sum[k] += top + scale * values[j + k];
+        for (int k = 0; k < 4; k++) sum[k] += values[j + k];
     }
-    for (; j < count; j++) sum[0] += top + scale * values[j];
+    for (; j < count; j++) sum[0] += values[j];
     return (sum[0] + sum[1]) + (sum[2] + sum[3]);
 }
 
 void film_springs_step(film_springs *state, double time, double force, double radius) {
     widen(state, radius);
-    int32_t touch = touching(state, radius), old = touching(state, fmin(state->radius, radius));
-    double top = reached(state, radius), all = sum_of(state->reach, touch, -1.0, top);
-    state->v += 0.5 * time * (state->push - state->q / state->mass);
-    double moved = state->v * time;
+    int32_t touch = touching(state, radius), met = touching(state, state->radius);
+    double top = reached(state, radius), all = touch * top - state->sums[touch];
+    double before = state->q, rise = state->rise * time, a_time = time / state->mass;
+    double moved = (state->v + 0.5 * time * state->push - a_time * (0.5 * before + rise / 6.0)) * time;
     double per_share = all > 0.0 ? state->friction * force / (state->stiffness * all) : 0.0;
     /* a spring that the contact has just reached moves with it for its part of the step, in which the depth grows evenly */
     double grown = fmax(top - reached(state, state->radius), 0.0);
-    for (int32_t j = old; j < touch; j++) state->u[j] -= moved * fmax(1.0 - (top - state->reach[j]) / grown, 0.0);
+    for (int32_t j = met; j < touch; j++) state->u[j] -= moved * fmax(1.0 - (top - state->reach[j]) / grown, 0.0);
     state->cut = 0, state->stuck = touch;
     for (int32_t j = touch - 1; state->watched && j >= 0; j--) {
         double most = (top - state->reach[j]) * per_share, u = state->u[j] + moved;
@@ -97,9 +103,11 @@ void film_springs_step(film_springs *state, double time, double force, double ra
         u = u < -most ? -most : u;
         state->u[j] = u > most ? most : u;
     }
-    for (int32_t j = touch; j < state->count; j++) state->u[j] = 0.0;
-    state->q = state->stiffness * sum_of(state->u, touch, 1.0, 0.0);
-    state->v += 0.5 * time * (state->push - state->q / state->mass);
+    for (int32_t j = touch; j < met; j++) state->u[j] = 0.0;
+    state->q = state->stiffness * sum_of(state->u, touch);
+    double change = state->q - before;
+    state->v += time * state->push - a_time * (0.5 * (before + state->q) - (state->even ? (change - rise) / 12.0 : 0.0));
+    state->rise = state->even && time > 0.0 ? change / time : 0.0;
     state->radius = radius;
 }
 
@@ -182,11 +190,15 @@ int film_springs_impact(int32_t count, double modulus, double power, double mass
                         double *motion) {
     film_springs fine, coarse, coarser;
     double largest = 0.0, limits = 0.0, used = 0.0, last = 0.0, before = 0.0;
+    if (power == 0.0) count = 4; /* all springs are alike */
     for (int64_t i = 0; i <= steps; i++) largest = fmax(largest, radius[i]);
     *result = (film_springs_impact_result){.velocity = velocity, .watch = {.phase = -1}};
-    if (film_springs_init(&fine, count, modulus, largest, power, friction[1], mass, velocity) != FILM_OK) return FILM_BAD_NUMBER;
-    if (film_springs_init(&coarse, count / 2, modulus, largest, power, friction[1], mass, velocity) != FILM_OK) return FILM_BAD_NUMBER;
-    if (film_springs_init(&coarser, count / 4, modulus, largest, power, friction[1], mass, velocity) != FILM_OK) return FILM_BAD_NUMBER;
+    film_springs *all[3] = {&fine, &coarse, &coarser};
+    for (int32_t k = 0, n = count; k < 3; k++, n /= 2) {
+        double to = power > 0.0 ? largest * (n / (n + EDGE)) : largest;
+        if (film_springs_init(all[k], n, modulus, to, power, friction[1], mass, velocity) != FILM_OK) return FILM_BAD_NUMBER;
+        all[k]->even = 1;
+    }
     if (motion) motion[0] = velocity, motion[1] = motion[2] = 0.0;
     for (int64_t i = 1; i <= steps; i++) {
         film_springs_take(&fine, time, friction, rows);
@@ -212,4 +224,17 @@ int film_springs_impact(int32_t count, double modulus, double power, double mass
     return isfinite(fine.v + result->error) ? FILM_OK : FILM_BAD_NUMBER;
 }
 
-int64_t film_springs_size(void) { return (int64_t)sizeof(film_springs); }
+void film_springs_many(int64_t count, int32_t springs, const double *numbers, const double *friction, int32_t rows, int shared,
+                       int64_t steps, const double *force, const double *radius, film_springs_brief *results) {
+    for (int64_t i = 0; i < count; i++, force += steps + 1, radius += steps + 1) {
+        const double *n = numbers + 5 * i, *own = friction + (shared ? 0 : 2 * rows * i);
+        film_springs_impact_result found;
+        int status = film_springs_impact(springs, n[0], n[1], n[2], n[3], own, rows, n[4], steps, force, radius, &found, NULL);
+        results[i] = (film_springs_brief){found.velocity, found.force, found.error, found.step, found.regime, status};
+    }
+}
+
+void film_springs_sizes(int64_t sizes[2]) {
+    sizes[0] = (int64_t)sizeof(film_springs);
+    sizes[1] = (int64_t)sizeof(film_springs_brief);
+}

@@ -1,7 +1,8 @@
 /* Friction in any contact, by springs beside each other that slip: for laws that yield or are damped, in steps.
  *
  * Springs at radii r share the tangential stiffness 8 G_star a and the normal force like those of Popov's reduction, the spring at r as
- * the depth since the contact has reached it: a^power - r^power, where the depth grows as a^power; 2 for a sphere. Errors fall faster than one over the number of steps. Units: any consistent ones.
+ * the depth since the contact has reached it: a^power - r^power, where the depth grows as a^power; 2 for a sphere. Errors fall as the
+ * square of one over the number of springs and of steps. Units: any consistent ones.
  * Nothing is allocated; copying a film_springs saves it. */
 #ifndef FILM_SPRINGS_H
 #define FILM_SPRINGS_H
@@ -15,12 +16,13 @@ enum {
 };
 
 /* stiffness: of one spring. width: distance of the springs. power: as above, or 0: all are reached at once. mass: m_t. v: sliding velocity, also where nothing touches.
- * q: friction force. push: acceleration by what else acts. radius: of the contact, now. u: deflections. If watched is 1, cut: how
+ * q: friction force. rise: of q over time in the last step. push: acceleration by what else acts. radius: of the contact, now. u: deflections. If watched is 1, cut: how
  * many springs slipped in the last step, negative if against their direction at first; stuck: how many stuck inside all of those. */
 typedef struct {
-    double stiffness, width, power, friction, mass, v, q, push, radius;
+    double stiffness, width, power, friction, mass, v, q, rise, push, radius;
     double u[FILM_MOST_SPRINGS], reach[FILM_MOST_SPRINGS]; /* reach: (r/width)^power; 0 for a power of 0 */
-    int32_t count, stuck, watched, cut;
+    double sums[FILM_MOST_SPRINGS + 1];                    /* of the first values of reach */
+    int32_t count, stuck, watched, cut, even, reserved; /* even: 1 if all steps are of one time */
 } film_springs;
 
 /* The phases of springs that are watched. passed: time since it began. phase: of FILM_STICKS .. FILM_SLIDES in film_friction.h, or
@@ -40,8 +42,9 @@ FILM_API int film_springs_init(film_springs *state, int32_t count, double modulu
 /* The power of a law: 1/(n - 1) of a reversible force ~ xi^n, n > 1, at most FILM_MOST_POWER, and 0 of a linear one; 2 of others. */
 FILM_API double film_springs_power(const film_curve *curve);
 
-/* Forward by a time >= 0, at the end of which the contact has this normal force and radius; both 0 without contact. The
- * rule of the midpoint: half a step with the friction force before, half with that after. */
+/* Forward by a time >= 0, at the end of which the contact has this normal force and radius; both 0 without contact. By the
+ * rule of the midpoint, half a step with the friction force before, half with that after; in even steps by Adams's rules of third
+ * order, with the rise of that force in the step before too. */
 FILM_API void film_springs_step(film_springs *state, double time, double force, double radius);
 
 /* The phase after a step of a time in which the radius was `before` at its beginning. */
@@ -72,6 +75,18 @@ FILM_API int film_springs_impact(int32_t count, double modulus, double power, do
                                  double time, int64_t steps, const double *force, const double *radius,
                                  film_springs_impact_result *result, double *motion);
 
+/* Of one impact of many. status: as film_springs_impact returns it; the others as above. */
+typedef struct {
+    double velocity, force, error;
+    int64_t step;
+    int32_t regime, status;
+} film_springs_brief;
+
+/* count impacts in as many steps. numbers: of each modulus, power, mass, velocity and the time of a step. friction: `rows` pairs of all
+ * if shared is 1, else of each. force, radius: steps + 1 of each. */
+FILM_API void film_springs_many(int64_t count, int32_t springs, const double *numbers, const double *friction, int32_t rows,
+                                int shared, int64_t steps, const double *force, const double *radius, film_springs_brief *results);
+
 /* How many springs touch. */
 FILM_API int32_t film_springs_touching(const film_springs *state);
 
@@ -84,13 +99,13 @@ double film_contact_slope(const film_curve *curve, const film_line *line, double
 /* That slope of a reversible law at forces and indentations of the march; 0 without force. It is 2 E_star times the contact radius. */
 FILM_API void film_springs_slopes(const film_curve *curve, int64_t count, const double *force, const double *depth, double *slope);
 
-/* Contact radii of a contact that yields, at recorded forces and depths: in loading those of its law, and of an elastic contact with
+/* Contact radii of contacts that yield, `count` of each, at recorded forces and depths: in loading those of its law, and of an elastic contact with
  * the slope of its force, F' = 2 modulus a; in unloading both shrink from the law's at the turn, as a ball's in its dent. modulus:
  * E_star. law: radii of the law, not finite if unknown; read up to the turn only. The first do not shrink before it. */
-FILM_API void film_springs_radii(int64_t count, const double *force, const double *depth, const double *law, double modulus,
+FILM_API void film_springs_radii(int64_t impacts, int64_t count, const double *force, const double *depth, const double *law, double modulus,
                                  double *first, double *second);
 
-/* sizeof film_springs. */
-FILM_API int64_t film_springs_size(void);
+/* sizeof film_springs, film_springs_brief. */
+FILM_API void film_springs_sizes(int64_t sizes[2]);
 
 #endif

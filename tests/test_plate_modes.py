@@ -318,7 +318,7 @@ def test_components_along_eigenvectors():
     random = np.random.default_rng(1)
     root, seen, other = random.normal(size=(60, 60)), random.normal(size=60), random.normal(size=60)
     values, vectors = np.linalg.eigh(root @ root.T + np.eye(60))
-    found = ritz._spectrum(root @ root.T + np.eye(60), np.array([seen, other]), 1e-6)
+    found = ritz.spectrum(root @ root.T + np.eye(60), np.array([seen, other]), 1e-6)
     np.testing.assert_allclose(found[0], values, rtol=1e-11)
     np.testing.assert_allclose(found[1][0] ** 2, (seen @ vectors) ** 2, rtol=1e-8)
     np.testing.assert_allclose(found[1][0] * found[1][1], (seen @ vectors) * (other @ vectors), rtol=1e-8)
@@ -333,7 +333,7 @@ def test_the_lowest_vibrations_are_as_exact_as_the_highest():
     inverse = np.linalg.inv(energy * unit[:, None] * unit) * unit[:, None] * unit
     exact = 1.0 / np.linalg.eigvalsh(inverse)[::-1][:4]
     np.testing.assert_allclose(
-        ritz._spectrum(energy.copy(), np.ones((1, len(energy))), 30.0**-4)[0][:4], exact, rtol=1e-10
+        ritz.spectrum(energy.copy(), np.ones((1, len(energy))), 30.0**-4)[0][:4], exact, rtol=1e-10
     )
     assert abs(np.linalg.eigvalsh(energy)[:4] / exact - 1.0).max() > 1e-8
 
@@ -391,7 +391,7 @@ def test_the_core_finds_the_same_spectrum():
     root = random.normal(size=(41, 41))
     cases += [(root @ root.T + np.eye(41), random.normal(size=41)), (np.array([[4.0]]), np.array([-3.0]))]
     for energy, seen in cases:
-        expected, (components,) = ritz._spectrum(energy.copy(), seen[None, :], 1e-3)
+        expected, (components,) = ritz.spectrum(energy.copy(), seen[None, :], 1e-3)
         values, found = core_spectrum(energy, seen, 1e-3)
         np.testing.assert_allclose(values, expected, rtol=1e-7)
         np.testing.assert_allclose(values[: 1 + len(seen) // 4], expected[: 1 + len(seen) // 4], rtol=1e-10)

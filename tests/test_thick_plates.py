@@ -15,7 +15,7 @@ from scipy.optimize import brentq
 
 import film_model as fm
 from film_model.effects.choose import choose
-from film_model.targets.plate_waves import reach_of_edges, shear_around
+from film_model.targets.plate_shear import reach_of_edges, shear_around
 
 YOUNG, RATIO, DENSITY = 210e9, 0.3, 7850.0
 STEEL = fm.Material("steel", f"{YOUNG} Pa", RATIO, f"{DENSITY} kg/m^3")

@@ -78,6 +78,7 @@ EXAMPLES = {
     "impedance_formula": '"paper"',
     "ends": '["clamped", "free"]',
     "theory": '"timoshenko"',
+    "Plate.theory": '"mindlin"',
     "far_end": '"fixed"',
     "file": '"modes.csv"',
     "frequency": '["180 Hz", "410 Hz"]',

@@ -49,7 +49,7 @@ def scales_of(target: AbstractTarget) -> dict[str, float]:
     h √(E/ρ), share ∝ 1/(ρ h) and compliance ∝ 1/(E h³), whatever its edges. None of other targets."""
     if not isinstance(target, Plate) or target.thickness is None or target.stiffness_given:
         return {}
-    if target.foundation_stiffness or target.edge_stiffness or target.material is None:
+    if target.foundation_stiffness or target.edge_stiffness or target.material is None or target.theory == "mindlin":
         return {}
     return {
         "target.thickness": target.thickness,
@@ -70,10 +70,11 @@ def damping_of(target: AbstractTarget) -> list[Input]:
 
 
 def computed(target: AbstractTarget) -> bool:
-    """Whether the page computes how the target moves between edges: a plate of no layers, bed, springs and sensors."""
+    """Whether the page computes how the target moves between edges: a plate of no layers, bed, springs, sensors and
+    shear."""
     if not isinstance(target, Plate) or target.layup is not None or target.stiffness_given or target.sensors:
         return False
-    alike = isinstance(target.damping_ratio, float | None)
+    alike = isinstance(target.damping_ratio, float | None) and target.theory != "mindlin"
     return alike and not (target.foundation_stiffness or target.edge_stiffness)
 
 

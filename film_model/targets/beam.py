@@ -19,7 +19,8 @@ from film_model.targets.beam_theory import Line, beam_shear_coefficient, line_co
 from film_model.targets.membrane import membrane_forms, plate_membrane
 from film_model.targets.modes import Array, Modes, Points, pulse_response
 from film_model.targets.panel_statics import compliance_and_error, panel_compliance
-from film_model.targets.plate_waves import plate_stiffness, shear_around
+from film_model.targets.plate_shear import shear_around
+from film_model.targets.plate_waves import plate_stiffness
 from film_model.targets.ritz import Panel, panel_modes
 from film_model.targets.sensors import SENSORS, Sensor, points_of, sensor_mistakes, with_strains
 from film_model.targets.stretching import lengthening, stretching

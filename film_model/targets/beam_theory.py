@@ -72,7 +72,7 @@ def line_modes(beam: Line, position: float, highest: float, others: Points = ())
     if math.isinf(beam.shear):
         waves = math.sqrt(highest * math.sqrt(beam.mass / beam.bending)) * beam.length / math.pi
     else:
-        waves = _wave_number(beam, highest) * beam.length / math.pi
+        waves = wave_number(beam, highest) * beam.length / math.pi
     check_count(waves)
     if simple:
         return _simple(beam, places, highest, waves)
@@ -97,7 +97,7 @@ def _deflection(beam: Line, shapes: Functions, at: float, order: float = 0.0) ->
     return shapes.at(2.0 * at / beam.length - 1.0, int(order)) * (2.0 / beam.length) ** order
 
 
-def _wave_number(beam: Line, frequency: float) -> float:
+def wave_number(beam: Line, frequency: float) -> float:
     """The larger wave number of Timoshenko's bending waves, 1/m."""
     slow, turn = beam.mass / beam.shear * frequency**2, beam.turning / beam.bending * frequency**2
     bent = beam.mass / beam.bending * frequency**2
@@ -107,7 +107,7 @@ def _wave_number(beam: Line, frequency: float) -> float:
 def _simple(beam: Line, places: Points, highest: float, waves: float) -> Modes:
     """Modes of a simply supported beam: w = sin(βx), ψ = Ψ cos(βx), β = nπ/L.
 
-    Timoshenko: (κGA β² − ρA ω²)(EI β² + κGA − ρI ω²) = (κGA β)². Of the two roots, one is thickness shear.
+    Timoshenko: both waves of :func:`sheared_waves`.
     """
     n = np.arange(1.0, waves + 2.0)
     beta = n * math.pi / beam.length
@@ -119,15 +119,23 @@ def _simple(beam: Line, places: Points, highest: float, waves: float) -> Modes:
         found = sines / half
         found[curved] *= -(beta**2)
         return sorted_modes(beta**2 * math.sqrt(beam.bending / beam.mass), found[0], highest, found[1:])
-    last = beam.shear * beam.bending * beta**4  # ρA ρI ω⁴ − middle ω² + last = 0
-    middle = beam.mass * (beam.bending * beta**2 + beam.shear) + beam.turning * beam.shear * beta**2
-    large = (middle + np.sqrt(middle**2 - 4 * beam.mass * beam.turning * last)) / 2
-    square = np.concatenate([last / large, large / (beam.mass * beam.turning)])
-    both = np.concatenate([beta, beta])
-    turn = (beam.shear * both**2 - beam.mass * square) / (beam.shear * both)
+    square, turn = (np.concatenate(each) for each in sheared_waves(beam, beta))
     found = np.hstack([sines, sines]) / (half + beam.turning * beam.length / 2 * turn**2)
-    found[curved] *= -both * turn
+    found[curved] *= -np.concatenate([beta, beta]) * turn
     return sorted_modes(np.sqrt(square), found[0], highest, found[1:])
+
+
+def sheared_waves(beam: Line, beta: Array, bed: float = 0.0) -> tuple[Array, Array]:
+    """ω² of the waves w = sin(βx), ψ = Ψ cos(βx) of Timoshenko's beam, and Ψ: in bending and in thickness shear.
+
+    (κGA β² + k_f − ρA ω²)(EI β² + κGA − ρI ω²) = (κGA β)². bed: stiffness per length k_f, N/m².
+    """
+    bent = beam.bending * beta**2 + beam.shear
+    last = beam.shear * beam.bending * beta**4 + bed * bent  # ρA ρI ω⁴ − middle ω² + last = 0
+    middle = beam.mass * bent + beam.turning * beam.shear * beta**2 + beam.turning * bed
+    large = (middle + np.sqrt(middle**2 - 4 * beam.mass * beam.turning * last)) / 2
+    square = np.array([last / large, large / (beam.mass * beam.turning)])
+    return square, (beam.shear * beta**2 + bed - beam.mass * square) / (beam.shear * beta)
 
 
 @one_thread

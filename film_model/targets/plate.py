@@ -21,14 +21,13 @@ from film_model.targets.modes import Array, Modes, Points
 from film_model.targets.panel_statics import compliance_and_error
 from film_model.targets.plate_entries import kind_mistakes
 from film_model.targets.plate_modes import plate_modes
+from film_model.targets.plate_shear import reach_of_edges, shear_around, shear_of_bending, shear_of_waves
 from film_model.targets.plate_statics import plate_compliance
 from film_model.targets.plate_waves import (
     orthotropic_plate_impedance,
     paper_plate_impedance,
     plate_impedance,
     plate_stiffness,
-    reach_of_edges,
-    shear_around,
 )
 from film_model.targets.ritz import Panel, loose, panel_modes
 from film_model.targets.sensors import SENSORS, Sensor, points_of, sensor_mistakes, with_strains
@@ -46,7 +45,6 @@ from film_model.targets.supports import (
     spring_mistakes,
 )
 from film_model.targets.target import (
-    COMES_BACK,
     GIVEN_STIFFNESS,
     HELD,
     LENGTH,
@@ -62,7 +60,8 @@ from film_model.targets.target import (
     no_effect,
     place_mistakes,
 )
-from film_model.targets.waves import MEAN_FREQUENCY, crossing_time, sheet_losses
+from film_model.targets.thick_plate import ThickPanel, thick_compliance, thick_modes
+from film_model.targets.waves import sheet_losses
 
 REFLECTION_CHANGE = 0.03, 2.2
 """c and p of the change c m (1 + e)/(Z e t_c) (t/t_return)^p by waves reflected from the edges of a plate."""
@@ -84,8 +83,8 @@ class Plate(AbstractTarget):
     move the struck point, or pairs with frequencies. in_plane: "fixed" or "free", whether the edges are held in the
     plane; without, membrane forces are not simulated. position: of the impact, distances from a corner along the two
     sides, m; default the centre. static_stiffness: force over deflection at that point, N/m; default from plate theory.
-    impedance_formula: "exact", or "paper" to reproduce published results. sensors: points to follow. radius: of the
-    surface, m.
+    impedance_formula: "exact", or "paper" to reproduce published results. theory: "kirchhoff", or "mindlin",
+    with shear and rotary inertia. sensors: points to follow. radius: of the surface, m.
 
     >>> round(fm.Plate("mild steel", "4 mm", size=["150 mm", "100 mm"]).impedance, 1)  # N·s/m
     1572.7
@@ -108,6 +107,7 @@ class Plate(AbstractTarget):
     position: tuple[float, float] | None = entry(several(PLACE, 2))
     static_stiffness: float | None = entry(STATIC_STIFFNESS)
     impedance_formula: Literal["exact", "paper"] = entry(choice("exact", "paper"))
+    theory: Literal["kirchhoff", "mindlin"] = entry(choice("kirchhoff", "mindlin"))
     sensors: tuple[Sensor, ...] | None = entry(SENSORS)  # pyright: ignore[reportIncompatibleVariableOverride]
     radius: float = entry(RADIUS)
 
@@ -129,6 +129,7 @@ class Plate(AbstractTarget):
         damping_ratio: DampingLike = None,
         sensors: Sequence[Sensor | Mapping[str, Any]] | None = None,
         in_plane: Literal["fixed", "free"] | None = None,
+        theory: Literal["kirchhoff", "mindlin"] = "kirchhoff",
     ) -> None:
         mistakes = fill_target(self, locals())
         if self.edges:
@@ -142,6 +143,8 @@ class Plate(AbstractTarget):
             if given and given != "simply supported" and size is None and static_stiffness is None:
                 mistakes.append(mistake(self, name, "needs a size: an infinite plate has neither edges nor vibrations"))
         pair = {"mass_per_area": mass_per_area, "bending_stiffness": bending_stiffness}
+        if theory == "mindlin" and not mistakes and self.shear_missing:
+            mistakes.append(mistake(self, "theory", f'"mindlin" is not known: {self.shear_missing}'))
         raise_all(mistakes + kind_mistakes(self, self.material, thickness, pair, layup))
 
     @property
@@ -172,13 +175,21 @@ class Plate(AbstractTarget):
         return d, ratio * d, d, (1 - ratio) / 2 * d
 
     @property
+    def shear_missing(self) -> str:
+        """Why Mindlin's theory cannot be used; empty if it can."""
+        if self.thickness is None or self.material is None:
+            return "the shear stiffness of a plate of layers, or of given bending_stiffness, is not known"
+        if self.size is None or self.stiffness_given:
+            return "it needs a plate with a size, without static_stiffness"
+        return self._thick.missing(self._struck)
+
+    @property
     def impedance(self) -> float:
-        """Wave impedance, N·s/m."""
+        """Wave impedance by Kirchhoff's theory, N·s/m."""
         if self.bending_stiffness is None and self.layup is None:
             return plate_impedance(self.surface_density, self.stiffness[0])
-        exact = self.impedance_formula == "exact"
-        formula = orthotropic_plate_impedance if exact else paper_plate_impedance
-        return formula(self.surface_density, *self.stiffness)
+        paper = self.impedance_formula == "paper"
+        return (paper_plate_impedance if paper else orthotropic_plate_impedance)(self.surface_density, *self.stiffness)
 
     @property
     def finite(self) -> bool:
@@ -214,8 +225,8 @@ class Plate(AbstractTarget):
         """First period L² √(ρ_A/D)/π of a square plate with the shorter side and the larger stiffness, s; or None."""
         if self.size is None:
             return None
-        stiff = max(self.stiffness[0], self.stiffness[2])
-        return 1.0 / (math.sqrt(stiff / self.surface_density) / min(self.size) ** 2 * math.pi)
+        rate = math.sqrt(max(self.stiffness[::2]) / self.surface_density)
+        return 1.0 / (rate / min(self.size) ** 2 * math.pi)
 
     @property
     def stiffness_given(self) -> bool:
@@ -236,6 +247,8 @@ class Plate(AbstractTarget):
     def _static(self) -> tuple[float | None, float]:
         if self.static_stiffness is not None or self.size is None:
             return (None if self.static_stiffness is None else 1 / self.static_stiffness), 0.0
+        if self.theory == "mindlin":
+            return thick_compliance(self._thick, self._struck)
         if self._simple and not self.foundation_stiffness:
             return plate_compliance(self.stiffness, self.size, self._struck), 0.0
         return compliance_and_error(self._panel, self._struck)
@@ -247,13 +260,14 @@ class Plate(AbstractTarget):
 
     def modes(self, highest: float) -> Modes:
         """Natural vibrations up to a frequency [rad/s]: in closed form if simply supported, or by Ritz's method."""
-        assert self.size is not None
         return damped(with_strains(self._seen(highest, points_of(self.sensors)), self.sensors), self.damping_ratio)
 
     def _seen(self, highest: float, others: Points) -> Modes:
         """The undamped vibrations at the struck point and at other points."""
         assert self.size is not None
         bed = self.foundation_stiffness or 0.0
+        if self.theory == "mindlin":
+            return thick_modes(self._thick, self._struck, highest, others)
         if self._simple:
             return plate_modes(self.surface_density, self.stiffness, self.size, self._struck, highest, bed, others)
         return panel_modes(self._panel, self._struck, highest, others)
@@ -283,6 +297,10 @@ class Plate(AbstractTarget):
         bed = self.foundation_stiffness or 0.0
         return Panel(self.surface_density, self.stiffness, size, four(self.edges), springs, bed)
 
+    @property
+    def _thick(self) -> ThickPanel:
+        return ThickPanel.of(self._panel, cast("float", self.thickness), cast("Material", self.material).poissons_ratio)
+
     def reflection_change(self, motion: Any, restitution: Any, delay: Any) -> Any:
         """0.03 (t/t_return)^2.2 m (1 + e)/(Z e t_c), t from the centre of the impulse to the end of contact.
 
@@ -301,9 +319,8 @@ class Plate(AbstractTarget):
         if not impact.by_impedance:
             return Estimate(HELD)
         if self.return_time == 0.0:
-            return Estimate(
-                "the plate is struck on an edge: the impedance of an infinite plate does not apply", 0.0, None, 1.0
-            )
+            why = "the plate is struck on an edge: the impedance of an infinite plate does not apply"
+            return Estimate(why, 0.0, None, 1.0)
         value, (constant, power) = impact.back / self.return_time, REFLECTION_CHANGE
         share = constant * impact.motion / max(impact.restitution, 1e-3)
         threshold = (impact.tolerance / share) ** (1.0 / power)
@@ -317,32 +334,22 @@ class Plate(AbstractTarget):
         its face), k² = ω √(ρ_A/D), ω = 0.77 π/t_c, the mean over a half-sine's spectrum.
 
         Of a plate bent as a whole: ½ c F² over the impact energy, c F the deflection around the load that plate theory
-        and contact law neglect (`shear_around` in targets/plate_waves.py).
+        and contact law neglect (`shear_around` in targets/plate_shear.py).
         """
         thickness, material = self.thickness, self.material
         if thickness is None or material is None:
-            return Estimate("the shear stiffness of a plate of layers, or of given bending_stiffness, is not known")
-        if impact.by_compliance or impact.vibrates:
-            return self._shear_of_a_bent_plate(impact, material, thickness)
-        if impact.duration < crossing_time(material, thickness):
-            return no_effect("contact ends before a wave returns from the far side: see wave losses")
-        square = MEAN_FREQUENCY / impact.duration * math.sqrt(self.surface_density / self.stiffness[0])
-        shear = square * thickness**2 / 5.0
-        carried = 1.0 - impact.restitution**2 - impact.fraction if impact.by_impedance else 0.0
-        value, size = math.sqrt(square) * thickness, max(0.0, shear * carried)
-        longer = f"{2.0 * math.pi / value:.2g} times as long as the plate is thick"
-        reason = f"the bending waves are {'only ' if size > impact.tolerance else ''}{longer}"
-        return Estimate(reason, value, None, size, remedy="needs a thick plate's impedance")
-
-    def _shear_of_a_bent_plate(self, impact: Impact, material: Material, thickness: float) -> Estimate:
+            return Estimate(self.shear_missing)
+        if self.theory == "mindlin":
+            return no_effect("Mindlin's theory includes shear and rotary inertia")
+        remedy = None if self.shear_missing else 'theory = "mindlin" has it'
+        if not (impact.by_compliance or impact.vibrates):
+            slowness = math.sqrt(self.surface_density / self.stiffness[0])
+            return shear_of_waves(impact, material, thickness, slowness)._replace(remedy=remedy)
         if self.size is None:
             return missing("target.size")
         reach = reach_of_edges(four(self.edges), self.size, self._struck)
-        soft, slender = shear_around(material, reach, thickness), thickness / min(self.size)
-        size = min(0.5 * soft * impact.force**2 / impact.energy, 1.0)
-        if impact.vibrates and size <= impact.tolerance:
-            return Estimate(COMES_BACK, slender, indicator="h/L")
-        return Estimate("the energy of shear deformation is neglected", slender, None, size, indicator="h/L")
+        energy = 0.5 * shear_around(material, reach, thickness) * impact.force**2
+        return shear_of_bending(impact, energy, thickness / min(self.size), remedy)
 
     def wave_losses(self, impact: Impact) -> Estimate:
         """A contact shorter than 2h/c_L radiates as into a half-space; beyond 10 h/c_T bending waves take all. Between,

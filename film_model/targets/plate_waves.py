@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import math
 from typing import Any
 
 import numpy as np
 
 from film_model.base.arrays import root
-from film_model.base.materials import Material
 from film_model.targets.plate_statics import anisotropy
 
 
@@ -54,37 +52,3 @@ def _agm(a: Any, b: Any) -> Any:
             break
         a, b = (a + b) / 2, root(a * b)
     return a
-
-
-LOCAL = 1.054
-"""What the half-space of a contact law takes up of the plate: ln 2 − γ − (5/6) ∫ (f(s) − 6/s³ − 6/(5 s) [s < 1]) ds,
-f = (sinh s cosh s + s)/(sinh² s − s²) − 1, over s = k h of waves 1/k in an elastic layer."""
-
-
-def shear_around(material: Material, reach: float, thickness: float) -> float:
-    """Deflection over force that plate theory and a half-space's contact law together neglect, m/N.
-
-    Three-dimensional elasticity: a layer that is pressed on its face deflects more than Kirchhoff's plate by 12 (1 −
-    ν²)/(5 E h k²) in waves of small k h. Under a point force, without the deflection of the half-space there, that is
-    6 (1 − ν²)/(5π E h) (ln(ℓ/h) − 1.054), ℓ = `reach` of the edges. Both parts cancel where ℓ is about 3 h. They do not
-    cancel in vibrations, so the logarithm less 1.054 is taken as at least 1. Next to an edge ℓ is taken as h/100.
-    """
-    soft = 6 * (1 - material.poissons_ratio**2) / (5 * math.pi * material.youngs_modulus * thickness)
-    return soft * max(1.0, abs(math.log(max(reach / thickness, 0.01)) - LOCAL))
-
-
-def reach_of_edges(edges: tuple[str, ...], size: tuple[float, float], position: tuple[float, float]) -> float:
-    """Distance ℓ at which the shear around a force ends, m: near it the deflection by shear is F ln(ℓ/r)/(2π κ G h).
-
-    Between two parallel edges at a distance L that hold, ℓ = (2L/π) sin(πx/L), as of a membrane; with one edge that
-    holds, as at twice the distance. For both directions, ℓ⁻⁴ is their sum: 0.535 L at the centre of a square, where
-    0.539 L is exact. Without edges that hold: the shorter side.
-    """
-    found: list[float] = []
-    for (one, other), side, x in zip((edges[:2], edges[2:]), size, position, strict=True):
-        if one != "free" or other != "free":
-            length = 2 * side if "free" in (one, other) else side
-            held = side - x if one == "free" else x  # distance from an edge that holds
-            found.append(2 * length / math.pi * math.sin(math.pi * held / length))
-    least = min(found, default=min(size))
-    return least * sum((least / each) ** 4 for each in found) ** -0.25 if least > 0.0 and found else least

@@ -117,15 +117,15 @@ def panel_modes(panel: Panel, position: tuple[float, float], highest: float, oth
     """
     points = (position, *others)
     if SIMPLE in panel.ends:
-        return _seen_modes(panel, _strips(panel, points, highest), highest)
+        return seen_modes(panel, _strips(panel, points, highest), highest)
     waves = [panels.waves(panel.core, along, highest) for along in (0, 1)]
     for along, number in enumerate(waves):
-        if number > (most := MOST_WAVES * (2 if _symmetric(panel, along) else 1)):
+        if number > (most := MOST_WAVES * (2 if symmetric(panel, along) else 1)):
             raise TooManyModes(
                 f"the vibrations of this plate need {number:.0f} half-waves along one side, but at most {most} are "
                 "allowed: take simply supported edges, or set boundary_reflections = false in [effects]"
             )
-    groups = math.prod(2 if _symmetric(panel, along) else 1 for along in (0, 1))
+    groups = math.prod(2 if symmetric(panel, along) else 1 for along in (0, 1))
     least = FEWEST * math.prod(max(number - 2, 0.0) for number in waves) / groups
     if least > MOST_FUNCTIONS:
         raise TooManyModes(_too_many(least))
@@ -141,10 +141,10 @@ def panel_modes(panel: Panel, position: tuple[float, float], highest: float, oth
     if largest > MOST_FUNCTIONS:
         raise TooManyModes(_too_many(largest))
     found = [_vibrations(panel, lines, block, points) for block in blocks]
-    return _seen_modes(panel, found, highest)
+    return seen_modes(panel, found, highest)
 
 
-def _seen_modes(panel: Panel, found: list[tuple[Array, Array]], highest: float) -> Modes:
+def seen_modes(panel: Panel, found: list[tuple[Array, Array]], highest: float) -> Modes:
     """The modes of all groups: frequencies, rad/s, and shapes at the struck point and the sensors, one per row."""
     frequency, seen = (np.concatenate(columns, axis=-1) for columns in zip(*found, strict=True))
     return sorted_modes(
@@ -164,7 +164,7 @@ def _strips(panel: Panel, points: Points, highest: float) -> list[tuple[Array, A
     wave = wave[np.abs(np.sin(wave * points[0][0])) > NODE]
     places, orders = np.split(np.array([(*point, 0.0, 0.0)[:4] for point in points]).T, 2)
     degree = np.array([panels.degree(panel.core, k, highest, SPARE) for k in wave])
-    groups, sines = 2 if _symmetric(panel, 1) else 1, panels.Functions(int(waves) + LEAST)
+    groups, sines = 2 if symmetric(panel, 1) else 1, panels.Functions(int(waves) + LEAST)
     if float(np.sum((degree / groups) ** 3 + WORK_OF_A_STRIP)) > MOST_STRIPS:
         raise TooManyModes(
             f"the vibrations of this plate need {wave.size} half-waves along one side, each with up to "
@@ -197,17 +197,17 @@ def turned(panel: Panel) -> Panel:
 def _half_waves_alone(panel: Panel, lines: tuple[Any, Any], along: Index, q: Index, seen: Array) -> tuple[Array, Array]:
     """Frequencies and shapes of half-waves along a strip, each with the functions q across. seen: the functions at
     points, (waves, points, functions)."""
-    least, large = _least(panel), q.size > SMALL
+    least, large = least_stiffness(panel), q.size > SMALL
     many = along.size if large else along.size * q.size**2 // AT_ONCE + 1
     found = list[tuple[Array, Array]]()
     for part, at in zip(np.array_split(along, many), np.array_split(seen, many), strict=True):
         energy = np.stack([panels.energy(panel.core, *lines, np.full(q.size, p), q) for p in part])
-        found.append(_spectrum(energy[0], at[0], least) if large else _spectra(energy, at, least))
+        found.append(spectrum(energy[0], at[0], least) if large else _spectra(energy, at, least))
     square, moved = (np.concatenate(columns, axis=-1) for columns in zip(*found, strict=True))
     return np.sqrt(np.maximum(square, 0.0) / panel.mass_per_area), moved
 
 
-def _least(panel: Panel) -> float:
+def least_stiffness(panel: Panel) -> float:
     """A stiffness per area below that of the first vibration, N/m³."""
     return min(d / side**4 for d, side in zip(panel.stiffness[::2], panel.size, strict=True))
 
@@ -249,7 +249,7 @@ def split(panel: Panel, lines: list[Line], point: tuple[float, ...], highest: fl
     return [block for block in blocks if np.abs(shape_at(panel, lines, point, *block)).max() > NODE] or blocks[:1]
 
 
-def _symmetric(panel: Panel, along: int) -> bool:
+def symmetric(panel: Panel, along: int) -> bool:
     """Whether even and odd functions along one side do not interact."""
     (one, other), springs = panel.ends[along], panel.springs[2 * along : 2 * along + 2]
     return one == other and springs[0] == springs[1]
@@ -258,12 +258,12 @@ def _symmetric(panel: Panel, along: int) -> bool:
 def _vibrations(panel: Panel, lines: list[Line], block: Block, points: Points) -> tuple[Array, Array]:
     """Frequencies, rad/s, and shapes at the points of a group of products."""
     seen = np.array([shape_at(panel, lines, point, *block) for point in points])
-    square, moved = _spectrum(energy_of(panel, lines, *block), seen, _least(panel))
+    square, moved = spectrum(energy_of(panel, lines, *block), seen, least_stiffness(panel))
     square[: loose_motions(panel, lines, block).shape[1]] = 0.0
     return np.sqrt(np.maximum(square, 0.0) / panel.mass_per_area), moved
 
 
-def _spectrum(energy: Array, seen: Array, least: float) -> tuple[Array, Array]:
+def spectrum(energy: Array, seen: Array, least: float) -> tuple[Array, Array]:
     """Eigenvalues, ascending, and the components of each row of `seen` along the eigenvectors.
 
     Those of the inverse of energy + shift, from Cholesky's factor of the matrix with a diagonal of ones: `eigh` leaves

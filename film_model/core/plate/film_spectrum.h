@@ -6,7 +6,7 @@
 
 /* Eigenvalues > 0 of a symmetric n x n matrix, ascending, and the components of `struck` along their eigenvectors, 0 where these
  * are rounding; how many there are, or FILM_BAD_NUMBER if the matrix is not positive. least: of the shift that the matrix gets.
- * Overwrites `energy`; memory: 5 n doubles. film_model/targets/ritz.py: _spectrum says why by the inverse. */
+ * Overwrites `energy`; memory: 5 n doubles. film_model/targets/ritz.py: spectrum says why by the inverse. */
 FILM_API int32_t film_spectrum(int32_t n, double *energy, const double *struck, double least, double *memory, double *square,
                                double *seen);
 

@@ -189,6 +189,7 @@ def scales(history):
         "permanent_indentation": summary["maximum_indentation"] or 0.0,
         "energy_absorbed": energy,
         "energy_radiated": energy,
+        "time_impactor_stops": summary["contact_duration"] or 0.0,  # of one that hardly moves, when the target hits it
     }
     return {name: max(abs(value or 0.0), least.get(name, 0.0)) for name, value in summary.items()}
 

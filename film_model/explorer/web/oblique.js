@@ -137,7 +137,7 @@ function radiiBeyondYield(force, depth, law, modulus) {
   const { top, c } = CORE;
   const given = [force, depth, law].map((column) => CORE.numbersAt(Array.from(column)));
   const found = [0, 1].map(() => CORE.allocate(8 * force.length));
-  c.film_springs_radii(BigInt(force.length), ...given, modulus, ...found);
+  c.film_springs_radii(1n, BigInt(force.length), ...given, modulus, ...found);
   const radii = found.map((place) => new Float64Array(c.memory.buffer, place, force.length).slice());
   CORE.top = top;
   return radii;

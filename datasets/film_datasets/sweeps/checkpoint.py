@@ -64,12 +64,12 @@ class Checkpoint:
                 raise FileExistsError(
                     f"{self._target}: an interrupted run left {self.summary()}; or use overwrite=True to start again"
                 )
-        try:
-            self.folder.mkdir(exist_ok=True)
-            lock = open(self.folder / "lock", "w")  # noqa: SIM115  # closed, and so unlocked, at the end
-        except OSError as error:
-            raise type(error)(f"{self._target}: cannot be written: {error.strerror or error}") from error
-        with lock:
+        with contextlib.ExitStack() as held:
+            try:
+                self.folder.mkdir(exist_ok=True)
+                lock = held.enter_context(open(self.folder / "lock", "w"))
+            except OSError as error:
+                raise type(error)(f"{self._target}: cannot be written: {error.strerror or error}") from error
             lock_file(lock, self._target)
             known = {"fingerprint": self._fingerprint, "blocks": len(self._blocks)}
             if manifest.exists() and resume and not overwrite:

@@ -65,12 +65,21 @@ def _variable(row: dict[str, str]) -> Variable:
     dimension, text = row["dimension"] or None, row["description"]
     if row["type"] == Real and dimension is None:
         dimension, text = SUMMARY[row["name"]][0], f"{SUMMARY[row['name']][1]}; {text}"
-    roles: dict[Kind, str] = {kind: row[kind] for kind in KINDS if row[kind]}
-    depends: dict[Kind, tuple[str, ...]] = {kind: tuple(row[f"depends_{kind}"].split()) for kind in KINDS}
-    damped: dict[Kind, tuple[str, ...]] = {kind: tuple(row[f"damped_{kind}"].split()) for kind in KINDS}
     return Variable(
-        *(row["name"], row["type"], dimension, roles, row["variability"], text, low, high, row["rate_of"] or None),
-        *(depends, damped, row["event"] or None, row["changes"], row["group"]),
+        name=row["name"],
+        type=row["type"],
+        dimension=dimension,
+        causality={kind: row[kind] for kind in KINDS if row[kind]},
+        variability=row["variability"],
+        description=text,
+        low=low,
+        high=high,
+        rate_of=row["rate_of"] or None,
+        depends={kind: tuple(row[f"depends_{kind}"].split()) for kind in KINDS},
+        depends_damped={kind: tuple(row[f"damped_{kind}"].split()) for kind in KINDS},
+        event=row["event"] or None,
+        changes=row["changes"],
+        group=row["group"],
     )
 
 

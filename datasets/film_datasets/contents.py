@@ -26,9 +26,30 @@ class Values:
     values: NDArray[Any]
     attrs: dict[str, Any]
 
-    def __getattr__(self, name: str) -> Any:
-        """Type, shape, size and so on of its values."""
-        return getattr(self.values, name)
+    @property
+    def dtype(self) -> Any:
+        """The type of its values."""
+        return self.values.dtype
+
+    @property
+    def ndim(self) -> int:
+        """The number of its dimensions."""
+        return self.values.ndim
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """The number of values along each dimension."""
+        return self.values.shape
+
+    @property
+    def size(self) -> int:
+        """The number of its values."""
+        return self.values.size
+
+    @property
+    def nbytes(self) -> int:
+        """Bytes of its values."""
+        return self.values.nbytes
 
 
 @dataclass(frozen=True)

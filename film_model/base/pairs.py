@@ -15,7 +15,10 @@ Pairs: TypeAlias = tuple[tuple[float, float], ...]
 
 
 def read_pairs(value: object, pair: tuple[Field, Field], most: int, need: str, least: int = 1) -> Pairs:
-    """A list of `least` to `most` pairs, by the fields of a pair. need: the message if it is none."""
+    """Read `least` to `most` pairs; the two fields read the two items of each.
+
+    need: what the error says of a value that is not such a list.
+    """
     rows = items_of(value)
     if not least <= len(rows) <= most or any(len(items_of(row)) != 2 for row in rows):
         raise ValueError(f"{shown(value)} is not allowed: {need}")

@@ -85,14 +85,23 @@ class Case:
             fixed = problem
         core, scales = fixed.trial.summary, fixed.scales
         softness = core.maximum_indentation * scales.length / (core.maximum_force * scales.force)
-        own = ("force", "indentation", "contact_radius", "duration", "turn", "restitution", "energy", "fraction")
-        own = (*own, "back", "motion", "vibrates", "tolerance")
         return Impact(
             mass=problem.scene.mass,
+            force=self.force,
+            indentation=self.indentation,
+            contact_radius=self.contact_radius,
+            duration=self.duration,
+            turn=self.turn,
+            restitution=self.restitution,
+            energy=self.energy,
+            fraction=self.fraction,
+            back=self.back,
+            motion=self.motion,
             by_impedance=problem.gamma != 0.0,
             by_compliance=problem.compliance > 0.0,
+            vibrates=self.vibrates,
+            tolerance=self.tolerance,
             held=(core.contact_duration * scales.time, softness),
-            **{name: getattr(self, name) for name in own},
         )
 
 

@@ -51,9 +51,6 @@ SHAPES = 0.8
 SPARE = 12
 """Degree of the polynomials across a strip beyond what waves and decay need: errors are then below 1e-9."""
 
-DECAYED = 24.0
-"""Exponent at which a coefficient is neglected: e^-24 = 4e-11."""
-
 FEWEST = 0.6
 """Least number of products below a frequency over that of the half-waves along both sides: π/4 in isotropic plates,
 0.66 if D12 + 2 D66 = 3 √(D11 D22). Clamped edges take away up to two of the half-waves."""

@@ -6,22 +6,13 @@ from typing import Any
 
 import numpy as np
 
-from film_model.translate.law import Engine, EngineLaw, Middle, Pair, Parameter, Values
+from film_model.translate.law import Engine, EngineLaw, Pair, Parameter, Values
 
 
 def step(x: Any, full: Any) -> Any:
     """STEP(x, 0, 0, full, 1): the cubic 3u² − 2u³ of u = x/full, from 0 to 1."""
     u = np.clip(x / full, 0.0, 1.0)
     return u * u * (3.0 - 2.0 * u)
-
-
-def _force(pair: Pair, values: Values, depth: Any, rate: Any) -> Any:
-    spring = values["k"] * np.power(depth, values["e"])
-    return spring + values["cmax"] * step(depth, values["d"]) * rate
-
-
-def _start(pair: Pair, middle: Middle) -> dict[str, float]:
-    return {"k": middle.stiffness(1.5), "e": 1.5, "cmax": 1.5 * middle.damping(pair.mass), "d": 0.3 * middle.depth}
 
 
 def _paste(pair: Pair, values: Values) -> str:
@@ -44,8 +35,10 @@ IMPACT = EngineLaw(
         Parameter("cmax", "N s/m", "largest damping coefficient"),
         Parameter("d", "m", "penetration at which damping is full", 0.05, 100.0, True, per_depth=True),
     ),
-    force=_force,
-    start=_start,
+    force=lambda _, v, depth, rate: v["k"] * np.power(depth, v["e"]) + v["cmax"] * step(depth, v["d"]) * rate,
+    start=lambda pair, middle: {
+        **{"k": middle.stiffness(1.5), "e": 1.5, "cmax": 1.5 * middle.damping(pair.mass), "d": 0.3 * middle.depth}
+    },
     paste=_paste,
     notes=("k is per metre to the power e: in millimetres it is another number, given below",),
 )

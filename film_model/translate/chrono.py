@@ -3,12 +3,9 @@
 from __future__ import annotations
 
 from functools import partial
-from typing import Any
-
-import numpy as np
 
 from film_model.translate import granular
-from film_model.translate.law import Engine, EngineLaw, Middle, Pair, Parameter, Values
+from film_model.translate.law import Engine, Pair, Parameter, Values
 
 SOURCE = "Project Chrono, ChContactSMC.h (ChDefaultContactForceSMC); manual, Collision detection and contact, SMC"
 NOTES = (
@@ -34,16 +31,6 @@ def _geometry(pair: Pair) -> str:
     return f"chrono.ChCollisionInfo.SetDefaultEffectiveCurvatureRadius({pair.radius:.6g}){mass}"
 
 
-def _coefficients(pair: Pair, values: Values, depth: Any, rate: Any) -> Any:
-    scale = pair.radius * np.sqrt(depth)
-    return scale * (values["kn"] * depth + pair.mass * values["gn"] * rate)
-
-
-def _start_coefficients(pair: Pair, middle: Middle) -> dict[str, float]:
-    stiffness, viscosity = granular.start_with_viscosity(pair, middle)
-    return {"kn": stiffness / pair.radius**0.5, "gn": viscosity / pair.radius**0.5}
-
-
 def _paste_coefficients(pair: Pair, values: Values) -> str:
     return f"""material = chrono.ChContactMaterialSMC()  # of both bodies
 material.SetKn({values["kn"]:.6g})
@@ -57,17 +44,13 @@ HERTZ = granular.law_by_restitution("hertz", SOURCE, partial(_paste_material, "H
 
 HOOKE = granular.law_by_restitution("hooke", SOURCE, partial(_paste_material, "Hooke"), False, NOTES)
 
-COEFFICIENTS = EngineLaw(
-    name="hertz-coefficients",
-    formula="F = R √δ (kn δ + m gn δ')",
-    source=SOURCE,
-    parameters=(
-        Parameter("kn", "N/m^2.5", "SetKn", 1e-12, logarithmic=True),
-        Parameter("gn", "1/(s m^1.5)", "SetGn"),
-    ),
-    force=_coefficients,
-    start=_start_coefficients,
-    paste=_paste_coefficients,
+COEFFICIENTS = granular.law_with_viscosity(
+    "hertz-coefficients",
+    "F = R √δ (kn δ + m gn δ')",
+    SOURCE,
+    (Parameter("kn", "N/m^2.5", "SetKn", 1e-12, logarithmic=True), Parameter("gn", "1/(s m^1.5)", "SetGn")),
+    _paste_coefficients,
+    lambda pair: (pair.radius**0.5, pair.radius**0.5),
     notes=NOTES,
 )
 

@@ -8,6 +8,7 @@ from typing import Any
 from film_model.laws.damping import hunt_crossley_strength
 from film_model.translate.law import Engine, EngineLaw, Middle, Pair, Parameter, Values
 
+STIFFNESS = Parameter("stiffness", "N/m", "of the pair; twice as much for each body", 1e-12, logarithmic=True)
 DISSIPATION = Parameter("dissipation", "s/m", "hunt_crossley_dissipation")
 
 
@@ -16,17 +17,9 @@ def dissipation_for(restitution: float, velocity: float) -> float:
     return hunt_crossley_strength(restitution) / velocity
 
 
-def _point(pair: Pair, values: Values, depth: Any, rate: Any) -> Any:
-    return values["stiffness"] * depth * (1.0 + values["dissipation"] * rate)
-
-
-def _start(pair: Pair, middle: Middle, name: str, stiffness: float) -> dict[str, float]:
+def _start(middle: Middle, name: str, stiffness: float) -> dict[str, float]:
     restitution = min(max(middle.restitution, 0.05), 1.0)
     return {name: stiffness, "dissipation": dissipation_for(restitution, middle.velocity)}
-
-
-def _start_point(pair: Pair, middle: Middle) -> dict[str, float]:
-    return _start(pair, middle, "stiffness", middle.stiffness(1.0))
 
 
 def _paste_point(pair: Pair, values: Values) -> str:
@@ -37,10 +30,6 @@ AddContactMaterial(
     friction=CoulombFriction(), properties=properties)
 plant = MultibodyPlant(time_step=0.0)  # continuous, or discrete with kLagged, kSimilar or kTamsi, not kSap
 plant.set_contact_model(ContactModel.kPoint)"""
-
-
-def _sap(pair: Pair, values: Values, depth: Any, rate: Any) -> Any:
-    return values["stiffness"] * (depth + values["relaxation_time"] * rate)
 
 
 def _start_sap(pair: Pair, middle: Middle) -> dict[str, float]:
@@ -67,7 +56,7 @@ def _hydroelastic(pair: Pair, values: Values, depth: Any, rate: Any) -> Any:
 
 def _start_hydroelastic(pair: Pair, middle: Middle) -> dict[str, float]:
     modulus = middle.stiffness(2.0) / (math.pi * pair.radius / pair.ball_radius)
-    return _start(pair, middle, "hydroelastic_modulus", modulus)
+    return _start(middle, "hydroelastic_modulus", modulus)
 
 
 def _paste_hydroelastic(pair: Pair, values: Values) -> str:
@@ -90,12 +79,9 @@ POINT = EngineLaw(
     name="point",
     formula="F = k δ (1 + d δ')",
     source="Drake documentation, Modeling Compliant Contact: Compliant Point Contact (Hunt & Crossley dissipation)",
-    parameters=(
-        Parameter("stiffness", "N/m", "of the pair; twice as much for each body", 1e-12, logarithmic=True),
-        DISSIPATION,
-    ),
-    force=_point,
-    start=_start_point,
+    parameters=(STIFFNESS, DISSIPATION),
+    force=lambda _, values, depth, rate: values["stiffness"] * depth * (1.0 + values["dissipation"] * rate),
+    start=lambda _, middle: _start(middle, "stiffness", middle.stiffness(1.0)),
     paste=_paste_point,
     notes=(
         "the two bodies' stiffnesses act in series: each body's point_stiffness is twice the pair's",
@@ -107,11 +93,8 @@ SAP = EngineLaw(
     name="sap",
     formula="F = k (δ + τ δ')",
     source="Drake documentation, Modeling Compliant Contact: discrete contact approximation kSap (linear dissipation)",
-    parameters=(
-        Parameter("stiffness", "N/m", "of the pair; twice as much for each body", 1e-12, logarithmic=True),
-        Parameter("relaxation_time", "s", "of the pair; half as much for each body"),
-    ),
-    force=_sap,
+    parameters=(STIFFNESS, Parameter("relaxation_time", "s", "of the pair; half as much for each body")),
+    force=lambda _, values, depth, rate: values["stiffness"] * (depth + values["relaxation_time"] * rate),
     start=_start_sap,
     paste=_paste_sap,
     notes=(

@@ -39,11 +39,6 @@ def hertz_by_restitution(pair: Pair, values: Values, depth: Any, rate: Any) -> A
     return 2.0 / 3.0 * s * depth + damping * rate
 
 
-def hertz_with_viscosity(pair: Pair, stiffness: Any, viscosity: Any, depth: Any, rate: Any) -> Any:
-    """√(Rδ) (k δ + m γ δ'): damping in proportion to the contact radius."""
-    return np.sqrt(pair.radius * depth) * (stiffness * depth + pair.mass * viscosity * rate)
-
-
 def hooke_by_restitution(pair: Pair, values: Values, depth: Any, rate: Any) -> Any:
     """k δ + 2 ζ √(m k) δ', with the stiffness of `hooke_stiffness`."""
     k = hooke_stiffness(pair, pair.effective_modulus(values["youngs_modulus"]))
@@ -83,11 +78,33 @@ def start_hooke(pair: Pair, middle: Middle) -> dict[str, float]:
     return begin
 
 
-def start_with_viscosity(pair: Pair, middle: Middle) -> tuple[float, float]:
-    """k and γ of `hertz_with_viscosity`: the damping ratio of the middle impact at half its depth."""
-    stiffness = middle.stiffness(1.5) / math.sqrt(pair.radius)
-    viscosity = 2.0 * middle.damping_ratio * math.sqrt(stiffness * 0.5 * middle.depth / pair.mass)
-    return stiffness, viscosity / (0.5 * pair.radius * middle.depth) ** 0.25
+def law_with_viscosity(
+    name: str,
+    formula: str,
+    source: str,
+    parameters: tuple[Parameter, Parameter],
+    paste: Callable[[Pair, Values], str],
+    scales: Callable[[Pair], tuple[float, float]] = lambda _: (1.0, 1.0),
+    **others: Any,
+) -> EngineLaw:
+    """√(Rδ) (k δ + m γ δ'): damping in proportion to the contact radius. scales: k and γ over the engine's parameters.
+
+    The fit begins with the damping ratio of the middle impact at half its depth.
+    """
+    stiffness, damping = (parameter.name for parameter in parameters)
+
+    def force(pair: Pair, values: Values, depth: Any, rate: Any) -> Any:
+        k, viscosity = (values[name] * scale for name, scale in zip((stiffness, damping), scales(pair), strict=True))
+        return np.sqrt(pair.radius * depth) * (k * depth + pair.mass * viscosity * rate)
+
+    def start(pair: Pair, middle: Middle) -> dict[str, float]:
+        k = middle.stiffness(1.5) / math.sqrt(pair.radius)
+        viscosity = 2.0 * middle.damping_ratio * math.sqrt(k * 0.5 * middle.depth / pair.mass)
+        viscosity /= (0.5 * pair.radius * middle.depth) ** 0.25
+        of_k, of_viscosity = scales(pair)
+        return {stiffness: k / of_k, damping: viscosity / of_viscosity}
+
+    return EngineLaw(name, formula, source, parameters, force, start, paste, **others)
 
 
 def law_by_restitution(

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from film_model.translate import granular
-from film_model.translate.law import Engine, EngineLaw, Middle, Pair, Parameter, Values
+from film_model.translate.law import Engine, EngineLaw, Pair, Parameter, Values
 
 SOURCE = "LAMMPS documentation, pair_style granular"
 NOTES = ("the damping force may attract at the end of contact: without limit_damping, as here",)
@@ -41,16 +41,6 @@ def _mindlin_stiffness(pair: Pair, values: Values) -> float:
     return 2.0 * pair.effective_modulus(values["youngs_modulus"]) / pair.ratio
 
 
-def _viscoelastic(pair: Pair, values: Values, depth: Any, rate: Any) -> Any:
-    stiffness = 4.0 / 3.0 * pair.effective_modulus(values["youngs_modulus"])
-    return granular.hertz_with_viscosity(pair, stiffness, values["eta_n"], depth, rate)
-
-
-def _start_viscoelastic(pair: Pair, middle: Middle) -> dict[str, float]:
-    stiffness, viscosity = granular.start_with_viscosity(pair, middle)
-    return {"youngs_modulus": pair.youngs_modulus(0.75 * stiffness), "eta_n": viscosity}
-
-
 def _paste_viscoelastic(pair: Pair, values: Values) -> str:
     material = f"{values['youngs_modulus']:.6g} {values['eta_n']:.6g} {pair.poissons_ratio:.6g}"
     return _command(pair, f"hertz/material {material}", "viscoelastic", _mindlin_stiffness(pair, values), MINDLIN)
@@ -59,10 +49,6 @@ def _paste_viscoelastic(pair: Pair, values: Values) -> str:
 def _hooke(pair: Pair, values: Values, depth: Any, rate: Any) -> Any:
     k = values["k_n"]
     return k * depth + 2.0 * granular.log_decrement(values["restitution"]) * (pair.mass * k) ** 0.5 * rate
-
-
-def _start_hooke(pair: Pair, middle: Middle) -> dict[str, float]:
-    return {"k_n": middle.stiffness(1.0), "restitution": granular.start_by_restitution(pair, middle)["restitution"]}
 
 
 def _paste_hooke(pair: Pair, values: Values) -> str:
@@ -74,14 +60,13 @@ HERTZ = granular.law_by_restitution(
     "hertz", f"{SOURCE}: hertz/material, damping coeff_restitution", _paste_restitution, True, NOTES, MINDLIN
 )
 
-VISCOELASTIC = EngineLaw(
-    name="hertz-viscoelastic",
-    formula="F = √(Rδ) (4/3 E* δ + m η δ')",
-    source=f"{SOURCE}: hertz/material, damping viscoelastic",
-    parameters=(granular.modulus("youngs_modulus"), Parameter("eta_n", "1/(m s)", "damping")),
-    force=_viscoelastic,
-    start=_start_viscoelastic,
-    paste=_paste_viscoelastic,
+VISCOELASTIC = granular.law_with_viscosity(
+    "hertz-viscoelastic",
+    "F = √(Rδ) (4/3 E* δ + m η δ')",
+    f"{SOURCE}: hertz/material, damping viscoelastic",
+    (granular.modulus("youngs_modulus"), Parameter("eta_n", "1/(m s)", "damping")),
+    _paste_viscoelastic,
+    lambda pair: (pair.effective_modulus(4.0 / 3.0), 1.0),
     pulls=True,
     notes=NOTES,
     tangential=MINDLIN,
@@ -93,7 +78,9 @@ HOOKE = EngineLaw(
     source=f"{SOURCE}: hooke, damping coeff_restitution",
     parameters=(Parameter("k_n", "N/m", "stiffness", 1e-12, logarithmic=True), granular.RESTITUTION),
     force=_hooke,
-    start=_start_hooke,
+    start=lambda pair, middle: {
+        **{"k_n": middle.stiffness(1.0), "restitution": granular.start_by_restitution(pair, middle)["restitution"]}
+    },
     paste=_paste_hooke,
     pulls=True,
     notes=NOTES,

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 from functools import partial
-from typing import Any
 
 from film_model.translate import granular
-from film_model.translate.law import Engine, EngineLaw, Middle, Pair, Parameter, Values
+from film_model.translate.law import Engine, Pair, Parameter, Values
 
 SOURCE = "LIGGGHTS-PUBLIC documentation, gran model"
 NOTES = ("the damping force may attract at the end of contact: limitForce is off, as by default",)
@@ -44,15 +43,6 @@ def _paste_material(model: str, pair: Pair, values: Values) -> str:
     return "\n".join([*lines, _model(pair, model)])
 
 
-def _coefficients(pair: Pair, values: Values, depth: Any, rate: Any) -> Any:
-    return granular.hertz_with_viscosity(pair, values["kn"], values["gamman"], depth, rate)
-
-
-def _start_coefficients(pair: Pair, middle: Middle) -> dict[str, float]:
-    stiffness, viscosity = granular.start_with_viscosity(pair, middle)
-    return {"kn": stiffness, "gamman": viscosity}
-
-
 def _paste_coefficients(pair: Pair, values: Values) -> str:
     tangential = 0.0 if pair.friction is None else 1.5 * values["kn"] / pair.ratio  # 8 G* = 2 E*/κ, kn = 4/3 E*
     numbers = {"kn": values["kn"], "kt": tangential, "gamman": values["gamman"], "gammat": 0.0}
@@ -66,17 +56,12 @@ HERTZ = granular.law_by_restitution(
 
 HOOKE = granular.law_by_restitution("hooke", f"{SOURCE} hooke", partial(_paste_material, "hooke"), True, HOOKE_NOTES)
 
-STIFFNESS = EngineLaw(
-    name="hertz-stiffness",
-    formula="F = √(Rδ) (kn δ + m γ δ')",
-    source=f"{SOURCE} hertz/stiffness",
-    parameters=(
-        Parameter("kn", "Pa", "stiffness", 1e-12, logarithmic=True),
-        Parameter("gamman", "1/(m s)", "damping"),
-    ),
-    force=_coefficients,
-    start=_start_coefficients,
-    paste=_paste_coefficients,
+STIFFNESS = granular.law_with_viscosity(
+    "hertz-stiffness",
+    "F = √(Rδ) (kn δ + m γ δ')",
+    f"{SOURCE} hertz/stiffness",
+    (Parameter("kn", "Pa", "stiffness", 1e-12, logarithmic=True), Parameter("gamman", "1/(m s)", "damping")),
+    _paste_coefficients,
     pulls=True,
     notes=NOTES,
     tangential=HISTORY,

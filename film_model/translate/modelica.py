@@ -6,17 +6,13 @@ from typing import Any
 
 import numpy as np
 
-from film_model.translate.law import Engine, EngineLaw, Middle, Pair, Parameter, Values
+from film_model.translate.law import Engine, EngineLaw, Pair, Parameter, Values
 
 
 def _force(pair: Pair, values: Values, depth: Any, rate: Any) -> Any:
     """f_c + f_d with f_c = c δ^n and f_d = d δ', |f_d| <= f_c."""
     spring = values["c"] * np.power(depth, values["n"])
     return spring + np.clip(values["d"] * rate, -spring, spring)
-
-
-def _start(pair: Pair, middle: Middle) -> dict[str, float]:
-    return {"c": middle.stiffness(1.5), "d": middle.damping(pair.mass), "n": 1.5}
 
 
 def _paste(pair: Pair, values: Values) -> str:
@@ -35,7 +31,7 @@ ELASTO_GAP = EngineLaw(
         Parameter("n", "", "exponent", 1.0, 3.0),
     ),
     force=_force,
-    start=_start,
+    start=lambda pair, middle: {"c": middle.stiffness(1.5), "d": middle.damping(pair.mass), "n": 1.5},
     paste=_paste,
     notes=("c is per metre to the power n: with the default n = 1 another c is closest",),
 )

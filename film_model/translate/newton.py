@@ -3,23 +3,10 @@
 from __future__ import annotations
 
 import math
-from typing import Any
 
 import numpy as np
 
-from film_model.translate import granular
-from film_model.translate.law import Engine, EngineLaw, Middle, Pair, Parameter, Values
-
-
-def _force(pair: Pair, values: Values, depth: Any, rate: Any) -> Any:
-    """ke δ + kd max(δ', 0)."""
-    return values["ke"] * depth + values["kd"] * np.maximum(rate, 0.0)
-
-
-def _start(pair: Pair, middle: Middle) -> dict[str, float]:
-    """The dashpot acts in half of the contact: twice the damping of a spring and dashpot."""
-    begin = granular.start_spring_and_dashpot(pair, middle)
-    return {"ke": begin["kn"], "kd": 2.0 * begin["cn"]}
+from film_model.translate.law import Engine, EngineLaw, Pair, Parameter, Values
 
 
 def _paste(pair: Pair, values: Values) -> str:
@@ -54,8 +41,9 @@ SEMI_IMPLICIT = EngineLaw(
         Parameter("ke", "N/m", "stiffness, of both shapes", 1e-12, logarithmic=True),
         Parameter("kd", "N s/m", "damping, of both shapes"),
     ),
-    force=_force,
-    start=_start,
+    force=lambda _, values, depth, rate: values["ke"] * depth + values["kd"] * np.maximum(rate, 0.0),
+    # the dashpot acts in half of the contact: twice the damping of a spring and dashpot
+    start=lambda pair, middle: {"ke": middle.stiffness(1.0), "kd": 2.0 * middle.damping(pair.mass)},
     paste=_paste,
     notes=(
         "two shapes take the mean of their numbers, so that both are given the same",

@@ -12,44 +12,27 @@ import numpy as np
 from numpy.typing import NDArray
 
 from film_model.core import native
+from film_model.core.headers import Header
 
 Array = NDArray[np.float64]
 
 MOST_STEPS = 500_000
-_D, _I = c.c_double, c.c_int32
+CHAIN = Header("chain/film_chain.h", native.CORE)
 
 
+@CHAIN.structure("film_chain_contact")
 class Contact(c.Structure):
-    """film_chain_contact: a law with its units, between a body and one behind it or the support."""
-
-    _fields_ = [
-        ("curve", c.c_void_p),
-        *((name, _D) for name in ("length", "force", "depth", "damping", "gap", "along")),
-        *((name, _I) for name in ("front", "behind")),
-    ]
+    """A law with its units, between a body and one behind it or the support."""
 
 
+@CHAIN.structure("film_chain")
 class Chain(c.Structure):
-    """film_chain: the bodies, their contacts and how they are followed."""
-
-    _fields_ = [
-        *(("bodies", _I), ("contacts", _I)),
-        *((name, c.c_void_p) for name in ("mass", "velocity", "fall", "contact")),
-        *((name, _D) for name in ("limit", "tolerance")),
-        *(("most_steps", _I), ("reserved", _I)),
-    ]
+    """The bodies, their contacts and how they are followed."""
 
 
+@CHAIN.structure("film_chain_summary")
 class Summary(c.Structure):
-    """film_chain_summary: what one contact did."""
-
-    _fields_ = [
-        *(
-            (name, _D)
-            for name in ("largest_force", "time_of_largest_force", "largest_indentation", "begins", "ends", "work")
-        ),
-        *(("count", _I), ("touching", _I)),
-    ]
+    """What one contact did."""
 
 
 SUMMARY_DTYPE = np.dtype(Summary)
@@ -74,14 +57,8 @@ class Run:
 @lru_cache(maxsize=1)
 def _library() -> Any:
     """The core's library, with the functions of film_chain.h declared."""
-    lib, pointer = native.library(), c.c_void_p
-    lib.film_chain_size.argtypes, lib.film_chain_size.restype = [_I, _I], c.c_size_t
-    lib.film_chain_run.argtypes = [*[pointer] * 5, c.c_int64, *[pointer] * 5]
-    lib.film_chain_run.restype = c.c_int
-    sizes = (c.c_int64 * 3)()
-    lib.film_chain_sizes(sizes)
-    if list(sizes) != [c.sizeof(kind) for kind in (Chain, Contact, Summary)]:
-        raise ImportError("the core was built from other sources: install the package again (pip install .)")
+    lib = CHAIN.declare(native.library())
+    CHAIN.check(lib, "film_chain_sizes", Chain, Contact, Summary)
     return lib
 
 
@@ -105,7 +82,7 @@ def run(
         *(n, m, mass.ctypes.data, velocity.ctypes.data, fall.ctypes.data, c.addressof(given)),
         *(limit, tolerance, MOST_STEPS, 0),
     )
-    time, steps, failed = _D(), _I(), _I(-1)
+    time, steps, failed = c.c_double(), c.c_int32(), c.c_int32(-1)
     indentation, speeds, found = np.empty(m), np.empty(n), np.zeros(m, SUMMARY_DTYPE)
     samples, memory = np.empty((times.size, 2 * m + n)), np.empty(lib.film_chain_size(n, m) // 8 + 1)
     status = lib.film_chain_run(

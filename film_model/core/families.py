@@ -11,17 +11,10 @@ from numpy.typing import NDArray
 from film_model.core import native
 
 
+@native.CORE.structure("film_family")
 class Family(c.Structure):
-    """film_family. `memory`, to which `numbers` points, is kept alive here. If `high` is 0, a "shape" of the functions
-    below is a row of numbers: the factor of each row of coefficients, and the end."""
-
-    _fields_ = [
-        ("low", c.c_double),
-        ("high", c.c_double),
-        ("nodes", c.c_int32),
-        ("varying", c.c_int32),
-        ("numbers", c.c_void_p),
-    ]
+    """Curves of a law with a shape. `memory`, to which `numbers` points, is kept alive here. If `high` is 0, a "shape"
+    of the functions below is a row of numbers: the factor of each row of coefficients, and the end."""
 
     @classmethod
     def of(
@@ -58,17 +51,9 @@ def batch(
     """Statuses and summaries of many contacts (START_DTYPE), each on its shape's curve; as `native.batch`."""
     start, shape = np.ascontiguousarray(start, native.START_DTYPE), np.ascontiguousarray(shape, np.float64)
     summary, status = np.empty(start.size, native.SUMMARY_DTYPE), np.empty(start.size, np.int32)
-    native.library().film_batch_shaped(
-        native.instructions() if using is None else using,
-        c.byref(family),
-        c.byref(whole),
-        c.byref(cut),
-        start.size,
-        start.ctypes.data,
-        shape.ctypes.data,
-        summary.ctypes.data,
-        status.ctypes.data,
-    )
+    at = [array.ctypes.data for array in (start, shape, summary, status)]
+    own = c.byref(family), c.byref(whole), c.byref(cut), start.size, *at
+    native.library().film_batch_shaped(native.instructions() if using is None else using, *own)
     return status, summary
 
 
@@ -93,17 +78,9 @@ def batch_varied(
     """
     start, values = np.ascontiguousarray(start, native.START_DTYPE), np.ascontiguousarray(values, np.float64)
     summary, status = np.empty(start.size, native.SUMMARY_DTYPE), np.empty(start.size, np.int32)
-    native.library().film_batch_varied(
-        c.byref(curve),
-        c.byref(cut),
-        c.c_int64(start.size),
-        c.c_void_p(start.ctypes.data),
-        c.c_int32(places.size),
-        c.c_void_p(places.ctypes.data),
-        c.c_void_p(values.ctypes.data),
-        c.c_void_p(summary.ctypes.data),
-        c.c_void_p(status.ctypes.data),
-    )
+    at = [array.ctypes.data for array in (start, places, values, summary, status)]
+    own = c.byref(curve), c.byref(cut), start.size, at[0], places.size, *at[1:]
+    native.library().film_batch_varied(*own)
     return status, summary
 
 
@@ -129,17 +106,9 @@ def batch_in_series(
     summary, status = np.empty(start.size, native.SUMMARY_DTYPE), np.empty(start.size, np.int32)
     native.library().film_batch_in_series(
         native.instructions() if using is None else using,
-        c.byref(curve),
-        c.byref(cut),
-        c.c_int64(start.size),
-        c.c_void_p(start.ctypes.data),
-        c.c_void_p(spring),
-        None if of is None else c.byref(of),
-        c.c_void_p(None if of is None else own),
-        c.c_int32(0 if places is None else places.size),
-        c.c_void_p(None if places is None else places.ctypes.data),
-        c.c_void_p(None if places is None else own),
-        c.c_void_p(summary.ctypes.data),
-        c.c_void_p(status.ctypes.data),
+        *(c.byref(curve), c.byref(cut), start.size, start.ctypes.data, spring),
+        *(None if of is None else c.byref(of), None if of is None else own),
+        *((0, None, None) if places is None else (places.size, places.ctypes.data, own)),
+        *(summary.ctypes.data, status.ctypes.data),
     )
     return status, summary

@@ -12,100 +12,55 @@ import numpy as np
 from numpy.typing import NDArray
 
 from film_model.core import native
-from film_model.core.native import Curve, Line, State
+from film_model.core.headers import Header
+from film_model.core.native import Curve
 
 Array = NDArray[np.float64]
 
-LEVELS = 40
-MODES_OF_A_STEP, MOST_WORK = 200, 120_000_000
-"""The core's limit of an impact: FILM_MOST_WORK over modes + FILM_MODES_OF_A_STEP is the largest number of steps."""
+MODAL = Header("modal/film_modal.h", native.CORE)
+LEVELS, MODES_OF_A_STEP, MOST_WORK = MODAL.film("LEVELS", "MODES_OF_A_STEP", "MOST_WORK")
+"""Step sizes; and the limit of an impact: MOST_WORK over modes + MODES_OF_A_STEP is the largest number of steps."""
 
 MOST_MEMORY = 256 * 2**20
 """Limit of a record, bytes: that of an impact within the limit of work on few modes."""
 
-_D, _I = c.c_double, c.c_int32
-_BENDS, _NODES, _FLIGHTS = 6, 4, 10
 _ROOM, _MOST_ROOM = 512, 1 << 16  # segments that a record has room for at first and at most before it is extended
 _STAYS = 1 << 20  # bytes that are not copied out of their room
 
 
+@MODAL.structure("film_structure")
 class Structure(c.Structure):
-    """film_structure: modes, and tables for the step sizes in use."""
-
-    _fields_ = [
-        ("modes", _I),
-        ("levels", _I),
-        ("rigid", _I),
-        ("made", _I * LEVELS),
-        ("instructions", _I),
-        ("longest", _D),
-        ("carried", _I),
-        ("stresses", _I),
-        ("frequency", c.c_void_p),
-        ("share", c.c_void_p),
-        ("forms", c.c_void_p),
-        ("square", c.c_void_p),
-        ("drag", c.c_void_p),
-        ("tables", c.c_void_p),
-    ]
+    """Modes, and tables for the step sizes in use."""
 
 
+@MODAL.structure("film_modal_start")
 class Start(c.Structure):
-    """film_modal_start: how an impact on a structure starts."""
-
-    _fields_ = [
-        (name, _D)
-        for name in ("nu", "load", "rest", "mass", "unit", "damping", "tolerance", "limit", "stop", "stretch")
-    ]
+    """How an impact on a structure starts."""
 
 
+@MODAL.structure("film_modal")
 class Modal(c.Structure):
-    """film_modal: a contact on a structure at one moment; with the modes' array beside it the whole state."""
-
-    _fields_ = (
-        [("contact", State)]
-        + [
-            (name, _D)
-            for name in ("time", "time_low", "x", "v", "since", "shift", "rate", "load", "rest", "mass", "unit")
-        ]
-        + [("stretch", _D), ("stop", _D)]
-        + [(name, _D) for name in ("speed", "tolerance", "last_force", "last_slope", "spent", "peak", "h", "tau")]
-        + [("force", _D * _NODES), ("bend", _D * _BENDS)]
-        + [(name, _D) for name in ("end_x", "end_v", "end_shift", "end_rate", "event_at", "reach")]
-        + [("blur", _D * _FLIGHTS)]
-        + [(name, _I) for name in ("event_kind", "ends", "end_direction", "half", "level", "flight_level")]
-        + [(name, _I) for name in ("kind", "has_step", "short_steps", "steps", "moving_in", "flight_size")]
-    )
+    """A contact on a structure at one moment; with the modes' array beside it the whole state."""
 
 
+@MODAL.structure("film_modal_segment")
 class Segment(c.Structure):
-    """film_modal_segment: one step in contact, or one flight."""
-
-    _fields_ = (
-        [(name, _D) for name in ("time", "h", "x", "v", "depth", "depth_rate", "load", "unit", "rest")]
-        + [("force", _D * _NODES), ("bend", _D * _BENDS)]
-        + [("line", Line), ("flight", _I), ("reserved", _I)]
-    )
+    """One step in contact, or one flight."""
 
 
+@MODAL.structure("film_modal_event")
 class Event(c.Structure):
-    """film_modal_event: an event, with the five values of `native.motion`."""
-
-    _fields_ = [("time", _D), ("values", _D * 5), ("event", _I), ("branch", _I)]
+    """An event, with the five values of `native.motion`."""
 
 
+@MODAL.structure("film_modal_summary")
 class Summary(c.Structure):
-    """film_modal_summary: what an impact on a structure did."""
-
-    _fields_ = [("core", native.Summary), ("contacts", _I), ("waited", _I)]
+    """What an impact on a structure did."""
 
 
+@MODAL.structure("film_modal_record")
 class Record(c.Structure):
-    """film_modal_record: arrays to record in, and how much of each is filled."""
-
-    _fields_ = [(name, c.c_void_p) for name in ("segments", "events", "flights")] + [
-        (f"{name}_{what}", _I) for what in ("room", "count") for name in ("segment", "event", "flight")
-    ]
+    """Arrays to record in, and how much of each is filled."""
 
 
 START_DTYPE = np.dtype(Start)
@@ -117,35 +72,8 @@ SUMMARY_DTYPE = np.dtype(Summary)
 @lru_cache(maxsize=1)
 def _library() -> Any:
     """The core's library, with the functions of film_modal.h declared."""
-    lib = native.library()
-    pointer, i64 = c.c_void_p, c.c_int64
-    signatures: dict[str, tuple[list[Any], Any]] = {
-        "film_structure_size": ([_I, _I], c.c_size_t),
-        "film_structure_init": ([pointer, _I, pointer, pointer, pointer, _D, _I, pointer], c.c_int),
-        "film_structure_stretch": ([pointer, _I, _I, pointer], c.c_int),
-        "film_waves_size": ([pointer], c.c_size_t),
-        "film_modal_stretching": ([pointer] * 3, _D),
-        "film_modal_init": ([pointer, pointer, pointer, pointer, pointer, _D], c.c_int),
-        "film_modal_input": ([pointer] * 4 + [_D] * 3, c.c_int),
-        "film_modal_step": ([pointer, pointer, pointer, pointer, _D], c.c_int),
-        "film_modal_motion": ([pointer] * 5, None),
-        "film_modal_work": ([pointer, _D], _D),
-        "film_modal_energies": ([pointer] * 4, None),
-        "film_modal_sensed": ([pointer] * 3 + [_I, pointer, pointer], None),
-        "film_modal_impact": ([pointer] * 7, c.c_int),
-        "film_modal_go_on": ([pointer, pointer, _D, *[pointer] * 4], c.c_int),
-        "film_modal_batch": ([pointer, pointer, i64, *[pointer] * 4], None),
-        "film_modal_sample": ([pointer, pointer, pointer, _I, pointer, pointer, i64, pointer, pointer], None),
-        "film_modal_sizes": ([pointer], None),
-    }
-    for name, (arguments, result) in signatures.items():
-        function = getattr(lib, name)
-        function.argtypes = arguments
-        function.restype = result
-    sizes = (c.c_int64 * 6)()
-    lib.film_modal_sizes(sizes)
-    if list(sizes) != [c.sizeof(t) for t in (Structure, Modal, Start, Segment, Event, Summary)]:
-        raise ImportError("the core was built from other sources: install the package again (pip install .)")
+    lib = MODAL.declare(native.library())
+    MODAL.check(lib, "film_modal_sizes", Structure, Modal, Start, Segment, Event, Summary)
     return lib
 
 

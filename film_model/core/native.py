@@ -12,13 +12,19 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-MAX_STAGES, MAX_PIECES, MAX_TERMS, MAX_SEGMENTS, INDICATORS = 12, 64, 26, 4_000_000, 5
-POWER, SERIES, ROOT_SERIES = range(3)
-RETRACE, RADIUS, RESIDUAL, SECANT, SHIFTED, SIMILAR = range(6)
-CHORD, WORK_PRESERVING = range(2)
-ANY_WAY, LINES = range(2)
+from film_model.core.headers import Header
+
+CORE = Header("film_core.h")
+MAX_STAGES, MAX_PIECES, MAX_TERMS, MAX_SEGMENTS = CORE.film("MAX_STAGES", "MAX_PIECES", "MAX_TERMS", "MAX_SEGMENTS")
+INDICATORS, _MOST_EVENTS = CORE.film("INDICATORS", "MAX_EVENTS")
+POWER, SERIES, ROOT_SERIES = CORE.film("POWER", "SERIES", "ROOT_SERIES")
+RETRACE, RADIUS, RESIDUAL, SECANT, SHIFTED, SIMILAR = CORE.film(
+    "RETRACE", "RADIUS", "RESIDUAL", "SECANT", "SHIFTED", "SIMILAR"
+)
+CHORD, WORK_PRESERVING = CORE.film("CHORD", "WORK_PRESERVING")
+ANY_WAY, LINES = CORE.film("ANY_WAY", "LINES")
 INSTRUCTIONS = ("plain", "AVX2", "AVX-512")
-BRANCH, FREE, STRETCHED = -1, -2, -3
+BRANCH, FREE, STRETCHED = CORE.film("BRANCH", "FREE", "STRETCHED")
 BRANCH_NAMES = {BRANCH: "unloading", FREE: ""}
 
 EVENTS = (
@@ -31,150 +37,77 @@ EVENTS = (
     "reloading_begins",
 )
 PHASES = ("approaching", "loading", "unloading", "reloading", "resting", "separated")
-OK, EVENT, ENDLESS, TURNS_AGAIN, REMEMBERS = 0, 1, 2, -9, -10
-BAD_NUMBER, BAD_CURVE, BAD_MESH, BEYOND_LAW, TOO_MANY, BAD_UNLOADING, FULL, TOO_STIFF = range(-1, -9, -1)
+OK, EVENT, ENDLESS, TURNS_AGAIN, REMEMBERS = CORE.film("OK", "EVENT", "ENDLESS", "TURNS_AGAIN", "REMEMBERS")
+BAD_NUMBER, BAD_CURVE, BAD_MESH, BEYOND_LAW = CORE.film("BAD_NUMBER", "BAD_CURVE", "BAD_MESH", "BEYOND_LAW")
+TOO_MANY, BAD_UNLOADING, FULL, TOO_STIFF = CORE.film("TOO_MANY", "BAD_UNLOADING", "FULL", "TOO_STIFF")
 
-_D, _I, _GRADINGS, _BEGIN = c.c_double, c.c_int32, 6, c.c_char * 0
-_MOST_ROOM, _MOST_EVENTS = 4_000_000, 200_000  # lines and events of a recorded contact, beyond which it will not end
+_BEGIN = c.c_char * 0
+_MOST_ROOM = MAX_SEGMENTS  # lines of a recorded contact, beyond which it will not end
 
 
+@CORE.structure("film_function")
 class Function(c.Structure):
-    """film_function: a function of indentation that the core can evaluate."""
-
-    _fields_ = (
-        [("form", _I), ("terms", _I)]
-        + [(name, _D) for name in ("origin", "per_span", "constant", "slope", "coefficient", "exponent")]
-        + [("series", _D * MAX_TERMS)]
-    )
+    """A function of indentation that the core can evaluate."""
 
 
+@CORE.structure("film_piece")
 class Piece(c.Structure):
-    """film_piece: one piece of a stage, and how a contact that turns in it opens."""
-
-    _fields_ = [
-        ("end", _D),
-        ("work_at_begin", _D),
-        ("force", Function),
-        ("mean", Function),
-        ("recovery", Function),
-        ("damping", Function),
-        ("exponent", Function),
-    ]
+    """One piece of a stage, and how a contact that turns in it opens."""
 
 
+@CORE.structure("film_stage")
 class Stage(c.Structure):
-    """film_stage: one loading stage."""
-
-    _fields_ = (
-        [("begin", _D), ("end", _D)]
-        + [(name, _I) for name in ("first", "count", "unloading", "damped")]
-        + [("reload_exponent", _D)]
-    )
+    """One loading stage."""
 
 
+@CORE.structure("film_curve")
 class Curve(c.Structure):
-    """film_curve: a law as the core sees it, in series with a spring if it has a compliance."""
-
-    _fields_ = [
-        ("stages", _I),
-        ("pieces", _I),
-        ("stage", Stage * MAX_STAGES),
-        ("piece", Piece * MAX_PIECES),
-        *((name, _D) for name in ("compliance", "pull")),
-    ]
+    """A law as the core sees it, in series with a spring if it has a compliance."""
 
 
+@CORE.structure("film_mesh")
 class Mesh(c.Structure):
-    """film_mesh: how legs are cut into lines. `memory` is kept alive by the owner."""
-
-    _fields_ = [
-        ("linearisation", _I),
-        ("loading", _I),
-        ("unloading", _I),
-        ("ways", _I),
-        ("loading_nodes", c.c_void_p * _GRADINGS),
-        ("unloading_nodes", c.c_void_p * _GRADINGS),
-    ]
+    """How legs are cut into lines. `memory` is kept alive by the owner."""
 
     def __reduce__(self) -> tuple[Any, ...]:
         return mesh, (self.linearisation, self.loading, self.unloading)  # a copy of the pointers would outlive `memory`
 
 
-_LINE = (
-    *((name, _D) for name in ("time", "xi", "nu", "shift", "phi", "kappa", "work", "spent", "load", "gamma")),
-    *((name, _D) for name in ("xi_free", "per_recovery", "f_max", "exponent", "xi_origin", "f_shift", "work_free")),
-    ("damping", _D),
-    ("damper", _D),
-    ("branch", _I),
-    ("phase", _I),
-)
-
-
+@CORE.structure("film_line")
 class Line(c.Structure):
-    """film_line: one straight piece of the force, on which the motion is closed-form."""
-
-    _fields_ = list(_LINE)
+    """One straight piece of the force, on which the motion is closed-form."""
 
 
+@CORE.structure("film_state")
 class State(c.Structure):
-    """film_state: everything about an impact at one moment; copying it saves it."""
-
-    _fields_ = (
-        [(name, _D) for name in ("time", "time_low", "xi", "nu", "shift", "force", "work", "spent", "force_peak")]
-        + [(name, _D) for name in ("gamma", "load", "stop_velocity", "damper", "elastic")]
-        + [(name, _D) for name in ("xi_max", "f_max", "xi_free", "recovery", "exponent")]
-        + [(name, _D) for name in ("xi_origin", "f_scale", "xi_in", "f_in", "xi_out", "f_out")]
-        + [("leg_from", _D), ("leg_to", _D)]
-        + [(name, _I) for name in ("leg_node", "leg_nodes", "leg_grading", "leg_ends")]
-        + [(name, _D) for name in ("tau", "tau_low", "tau_end")]
-        + [(name, _D) for name in ("xi_end", "nu_end", "force_end", "work_end")]
-        + [("line", Line)]
-        + [(name, _I) for name in ("line_ends", "has_line", "has_leg", "from_turn", "direction", "branch")]
-        + [
-            (name, _I)
-            for name in ("stage_max", "moving_in", "loop", "rising", "jumped", "phase", "event", "contacts", "lines")
-        ]
-    )
+    """Everything about an impact at one moment; copying it saves it."""
 
 
-SUMMARY = (
-    "maximum_force",
-    "maximum_indentation",
-    "time_of_maximum_indentation",
-    "time_impactor_stops",
-    "contact_duration",
-    "permanent_indentation",
-    "final_velocity",
-    "shift",
-    "work",
-)
-
-
+@CORE.structure("film_start")
 class Start(c.Structure):
-    """film_start: how one contact starts."""
-
-    _fields_ = [(name, _D) for name in ("nu", "gamma", "load", "stop_velocity", "time_limit", "damping")]
+    """How one contact starts."""
 
 
+@CORE.structure("film_contact")
 class Force(c.Structure):
-    """film_contact: the contact force, and its partial derivatives by ξ and ν."""
-
-    _fields_ = [(name, _D) for name in ("force", "by_xi", "by_nu")]
+    """The contact force, and its partial derivatives by ξ and ν."""
 
 
+@CORE.structure("film_summary")
 class Summary(c.Structure):
-    """film_summary: what one contact did."""
-
-    _fields_ = [(name, _D) for name in SUMMARY] + [("stage", _I), ("lines", _I)]
+    """What one contact did."""
 
 
+SOLVE = Header("march/film_solve.h", CORE)
+
+
+@SOLVE.structure("film_solution")
 class Solution(c.Structure):
-    """film_solution: one contact to an accuracy."""
-
-    _fields_ = [("summary", Summary), ("estimated", _D), ("level", _I), ("reached", _I)]
+    """One contact to an accuracy."""
 
 
 START_DTYPE, LINE_DTYPE, STATE_DTYPE, SUMMARY_DTYPE = (np.dtype(kind) for kind in (Start, Line, State, Summary))
+SUMMARY = tuple(field[0] for field in Summary._fields_ if field[1] is c.c_double)
 
 
 def _library_path() -> str:
@@ -189,48 +122,9 @@ def library() -> Any:
     if not os.path.exists(path):
         raise ImportError(f"{path} is missing: install the package (pip install .), which compiles it")
     lib = c.CDLL(path)
-    sizes = (c.c_int64 * 5)()
-    lib.film_sizes(sizes)
-    if list(sizes) != [c.sizeof(t) for t in (Curve, Mesh, Line, State, Summary)]:
-        raise ImportError(f"{path} was built from other sources: install the package again (pip install .)")
-    pointer, i64 = c.c_void_p, c.c_int64
-    signatures: dict[str, tuple[list[Any], Any]] = {
-        "film_check_curve": ([pointer], c.c_int),
-        "film_shape_at": ([pointer, pointer, pointer, pointer], c.c_int),
-        "film_spring": ([pointer, _D], c.c_int),
-        "film_mesh_size": ([_I, _I], c.c_size_t),
-        "film_mesh_init": ([pointer, _I, _I, _I, pointer], c.c_int),
-        "film_damp": ([pointer, _D], c.c_int),
-        "film_init": ([pointer, pointer, _D, _D, _D, _D, _D], c.c_int),
-        "film_input": ([pointer, _D, _D, _D], c.c_int),
-        "film_step": ([pointer, pointer, pointer, _D], c.c_int),
-        "film_record": ([pointer, pointer, pointer, _D, pointer, _I, pointer, pointer, _I, pointer], c.c_int),
-        "film_sample": ([pointer, pointer, _I, pointer, i64, pointer, pointer, pointer], None),
-        "film_record_many": ([pointer, pointer, i64, pointer, pointer, i64, pointer, pointer, _I], i64),
-        "film_sample_many": ([c.c_int, pointer, i64, pointer, pointer, i64, pointer, pointer], None),
-        "film_line_columns": ([i64, pointer, i64, pointer, pointer], None),
-        "film_motion": ([pointer, pointer, pointer], None),
-        "film_force": ([pointer, pointer, _D, _D], Force),
-        "film_indicators": ([pointer, pointer, _D, pointer], None),
-        "film_switch": ([pointer, pointer], c.c_int),
-        "film_law": ([pointer, _I, _D, pointer, pointer], None),
-        "film_impact": ([pointer, pointer, pointer, pointer], c.c_int),
-        "film_marched": ([pointer, pointer, pointer, pointer], c.c_int),
-        "film_instructions": ([], c.c_int),
-        "film_batch_shaped": ([c.c_int, pointer, pointer, pointer, i64, pointer, pointer, pointer, pointer], None),
-        "film_solve": ([pointer, pointer, pointer, _I, _D, _D, pointer], c.c_int),
-        "film_estimate": ([pointer, pointer, pointer, _D, pointer], c.c_int),
-        "film_bound_fine": ([pointer, c.c_int, i64, pointer, pointer, pointer, pointer, pointer, pointer], None),
-        "film_bound_coarse": ([pointer, i64, pointer, pointer, pointer, pointer], None),
-        "film_compare": ([i64, pointer, pointer, pointer, pointer], None),
-        "film_rounding": ([pointer, i64, pointer, pointer, _D, pointer], None),
-        "film_dents": ([pointer, i64, c.c_int32, pointer, pointer, pointer, pointer, pointer], None),
-        "film_batch_with": ([c.c_int, pointer, pointer, i64, pointer, pointer, pointer], None),
-    }
-    for name, (arguments, result) in signatures.items():
-        function = getattr(lib, name)
-        function.argtypes = arguments
-        function.restype = result
+    for header in (CORE, SOLVE, Header("batch/film_many.h", CORE)):
+        header.declare(lib)
+    CORE.check(lib, "film_sizes", Curve, Mesh, Line, State, Summary)
     return lib
 
 
@@ -280,7 +174,7 @@ def set_input(state: State, load: float, nu_change: float, stop_velocity: float)
 
 def record(curve: Curve, cut: Mesh, state: State, limit: float, room: int) -> tuple[int, NDArray[Any], NDArray[Any]]:
     """Status, lines and event states from `state`, which is moved on, to the end of the next contact or to `limit`."""
-    most, count, events_count, begun = min(room, _MOST_EVENTS), _I(), _I(), bytes(state)
+    most, count, events_count, begun = min(room, _MOST_EVENTS), c.c_int32(), c.c_int32(), bytes(state)
     lines, events = (np.empty(n * t.itemsize, np.uint8) for n, t in ((room, LINE_DTYPE), (most, STATE_DTYPE)))
     status = library().film_record(
         *(c.byref(curve), c.byref(cut), c.byref(state), limit),
@@ -365,7 +259,7 @@ def force_of(curve: Curve, state: State) -> Callable[[float], float]:
 
 def indicators(curve: Curve, state: State, speed: float) -> list[float]:
     """film_indicators: all > 0 while the contact goes on as it is."""
-    values = (_D * INDICATORS)()
+    values = (c.c_double * INDICATORS)()
     library().film_indicators(c.byref(curve), c.byref(state), speed, values)
     return list(values)
 
@@ -389,6 +283,6 @@ def motion(curve: Curve, state: State) -> NDArray[np.float64]:
 
 def stage_law(curve: Curve, stage: int, xi: float) -> tuple[float, float]:
     """Force and work (from the stage's beginning) as the core evaluates them."""
-    force, work = _D(), _D()
+    force, work = c.c_double(), c.c_double()
     library().film_law(c.byref(curve), stage, xi, c.byref(force), c.byref(work))
     return force.value, work.value

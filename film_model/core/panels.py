@@ -11,52 +11,33 @@ import numpy as np
 from numpy.typing import NDArray
 
 from film_model.core import native
+from film_model.core.headers import Header
 
 Array = NDArray[np.float64]
 Index = NDArray[np.intp]
 
-_D, _I = c.c_double, c.c_int32
+RITZ = Header("plate/film_ritz.h", native.CORE)
 EDGES = "simply supported", "clamped", "free"
 """Kinds of edges, in the order of their numbers in the core."""
 
 
+@RITZ.structure("film_ritz")
 class Functions(c.Structure):
-    """film_ritz: functions on a line; without arrays sines."""
-
-    _fields_ = [
-        *((name, _I) for name in ("functions", "shapes", "degree", "halves")),
-        *((name, c.c_void_p) for name in ("series", "bent", "sloped", "crossed", "odd")),
-    ]
+    """Functions on a line; without arrays sines."""
 
 
+PANEL = Header("plate/film_panel.h", RITZ)
+
+
+@PANEL.structure("film_panel")
 class Panel(c.Structure):
-    """film_panel, in any units."""
-
-    _fields_ = [
-        *((name, _D) for name in ("mass", "d11", "d12", "d22", "d66", "a", "b")),
-        *(("springs", _D * 4), ("bed", _D), ("edges", _I * 4)),
-    ]
+    """A plate with any edges, in any units."""
 
 
 @lru_cache(maxsize=1)
 def _library() -> Any:
     """The core's library, with the functions of film_panel.h and film_ritz.h declared."""
-    lib, p = native.library(), c.c_void_p
-    signatures: dict[str, tuple[list[Any], Any]] = {
-        "film_ritz_kept": ([_I], c.c_int64),
-        "film_ritz_size": ([_I], c.c_int64),
-        "film_ritz_make": ([p, p, _I, _I, p], _I),
-        "film_panel_waves": ([p, _I, _D], _D),
-        "film_panel_degree": ([p, _D, _D, _D], _I),
-        "film_panel_groups": ([p, p, p], _I),
-        "film_panel_group": ([p, p, p, _D, _I, _I, p, p], _I),
-        "film_panel_energy": ([p, p, p, _I, p, p, p], None),
-        "film_panel_levy": ([p, _D, _D], _D),
-    }
-    for name, (arguments, result) in signatures.items():
-        function = getattr(lib, name)
-        function.argtypes, function.restype = arguments, result
-    return lib
+    return PANEL.declare(RITZ.declare(native.library()))
 
 
 def functions(shapes: int, arrays: Sequence[NDArray[Any]], halves: int) -> Functions:
@@ -69,7 +50,7 @@ def functions(shapes: int, arrays: Sequence[NDArray[Any]], halves: int) -> Funct
 def made(ends: tuple[str, str], degree: int, count: int) -> tuple[Array, Array, Array, Array]:
     """The core's own Legendre coefficients, ∫f″², ∫f′g′ and ∫f″g, as of film_ritz_make."""
     lib, found = _library(), Functions()
-    memory, kinds = np.zeros(lib.film_ritz_size(degree)), (_I * 2)(*map(EDGES.index, ends))
+    memory, kinds = np.zeros(lib.film_ritz_size(degree)), (c.c_int32 * 2)(*map(EDGES.index, ends))
     if lib.film_ritz_make(c.byref(found), kinds, degree, count, memory.ctypes.data):
         raise ValueError(f"polynomials up to degree {degree} have fewer than {count} shapes")
     n = found.functions

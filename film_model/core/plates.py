@@ -10,32 +10,22 @@ import numpy as np
 from numpy.typing import NDArray
 
 from film_model.core import native
+from film_model.core.headers import Header
 
 Array = NDArray[np.float64]
 
-_D, _I = c.c_double, c.c_int32
+PLATE = Header("plate/film_plate.h", native.CORE)
 
 
+@PLATE.structure("film_plate")
 class Plate(c.Structure):
-    """film_plate: sides a and b, mass per area, D11, mixed = D12 + 2 D66, D22, and an elastic bed, in any units."""
-
-    _fields_ = [(name, _D) for name in ("a", "b", "mass", "d11", "mixed", "d22", "bed")]
+    """Sides a and b, mass per area, D11, mixed = D12 + 2 D66, D22, and an elastic bed, in any units."""
 
 
 @lru_cache(maxsize=1)
 def _library() -> Any:
     """The core's library, with the functions of film_plate.h declared."""
-    lib, pointer, i64 = native.library(), c.c_void_p, c.c_int64
-    signatures: dict[str, tuple[list[Any], Any]] = {
-        "film_plate_most": ([pointer, _D], _D),
-        "film_plate_modes": ([pointer, _D, _I, pointer, i64, pointer, pointer], i64),
-        "film_plate_compliance": ([pointer, _D, _D], _D),
-    }
-    for name, (arguments, result) in signatures.items():
-        function = getattr(lib, name)
-        function.argtypes = arguments
-        function.restype = result
-    return lib
+    return PLATE.declare(native.library())
 
 
 def most(plate: Plate, highest: float) -> float:

@@ -11,42 +11,27 @@ import numpy as np
 from numpy.typing import NDArray
 
 from film_model.core import native
+from film_model.core.headers import Header
 
 Array = NDArray[np.float64]
 
-MOST_TERMS, MOST_STEPS = 24, 600
-_D, _I = c.c_double, c.c_int32
-_TERMS = _D * MOST_TERMS
+RELAX = Header("relax/film_relax.h", native.CORE)
+MOST_TERMS, MOST_STEPS = RELAX.film("RELAXATIONS", "RELAX_STEPS")
 
 
+@RELAX.structure("film_relaxation")
 class Law(c.Structure):
-    """film_relaxation: e(t) = rest + Σ share exp(−rate t), rates in 1/t_s."""
-
-    _fields_ = [("terms", _I), ("reserved", _I), ("rest", _D), ("share", _TERMS), ("rate", _TERMS)]
+    """e(t) = rest + Σ share exp(−rate t), rates in 1/t_s."""
 
 
+@RELAX.structure("film_relax_step")
 class Step(c.Structure):
-    """film_relax_step: a step of a contact."""
-
-    _fields_ = (
-        [(name, _D) for name in ("time", "h", "length", "xi", "nu", "shift", "load")]
-        + [("force", _D * 4), ("rate", _D * 5), ("grown", _D * 6)]
-        + [("q", _TERMS), ("p", _TERMS)]
-    )
+    """A step of a contact."""
 
 
+@RELAX.structure("film_relax")
 class State(c.Structure):
-    """film_relax: a contact at one moment; with the steps beside it the whole state."""
-
-    _fields_ = (
-        [("law", Law)]
-        + [(name, _D) for name in ("gamma", "load", "stop_velocity", "tolerance", "speed")]
-        + [(name, _D) for name in ("time", "xi", "nu", "shift", "tau", "stop_at")]
-        + [("q", _TERMS), ("p", _TERMS), ("old", _TERMS)]
-        + [(name, _D) for name in ("next_h", "begun", "turned", "match", "peak", "spent")]
-        + [(name, _I) for name in ("approach", "steps", "ends", "moving_in", "has_step")]
-        + [(name, _I) for name in ("branch", "phase", "event", "contacts", "reserved")]
-    )
+    """A contact at one moment; with the steps beside it the whole state."""
 
 
 LAW_DTYPE = np.dtype(Law)
@@ -55,26 +40,8 @@ LAW_DTYPE = np.dtype(Law)
 @lru_cache(maxsize=1)
 def _library() -> Any:
     """The core's library, with the functions of film_relax.h declared."""
-    lib, pointer, i64 = native.library(), c.c_void_p, c.c_int64
-    signatures: dict[str, tuple[list[Any], Any]] = {
-        "film_relax_init": ([pointer, pointer, pointer, _D, _D], c.c_int),
-        "film_relax_input": ([pointer, pointer, _D, _D, _D], c.c_int),
-        "film_relax_advance": ([pointer, pointer, _D], c.c_int),
-        "film_relax_motion": ([pointer, pointer, pointer], None),
-        "film_relax_impact": ([pointer, pointer, _D, pointer, pointer, pointer], c.c_int),
-        "film_relax_batch": ([i64, pointer, pointer, _D, pointer, pointer, pointer, pointer], None),
-        "film_relax_sample": ([pointer, pointer, pointer, i64, pointer, pointer], None),
-        "film_relax_left": ([pointer, pointer], _D),
-        "film_relax_sizes": ([pointer], None),
-    }
-    for name, (arguments, result) in signatures.items():
-        function = getattr(lib, name)
-        function.argtypes = arguments
-        function.restype = result
-    sizes = (c.c_int64 * 3)()
-    lib.film_relax_sizes(sizes)
-    if list(sizes) != [c.sizeof(t) for t in (Law, Step, State)]:
-        raise ImportError("the core was built from other sources: install the package again (pip install .)")
+    lib = RELAX.declare(native.library())
+    RELAX.check(lib, "film_relax_sizes", Law, Step, State)
     return lib
 
 

@@ -7,29 +7,22 @@ from functools import lru_cache
 from typing import Any
 
 from film_model.core import modal, native
-from film_model.core.springs import Array, Springs, Watch
+from film_model.core.headers import Header
+from film_model.core.springs import SPRINGS, Array
 
-_D, _I = c.c_double, c.c_int32
+SLIDE = Header("oblique/film_slide.h", modal.MODAL, SPRINGS)
 
 
+@SLIDE.structure("film_sliding")
 class Sliding(c.Structure):
-    """film_sliding: springs that slip, what they have done, and the phases that began in the last call. steps: work
-    since the caller set it to 0, which the core limits."""
-
-    _fields_ = (("impulse", _D), ("work", _D), ("watch", Watch), ("steps", _I), ("reserved", _I), ("springs", Springs))
+    """Springs that slip, what they have done, and the phases that began in the last call. steps: work since the caller
+    set it to 0, which the core limits."""
 
 
 @lru_cache(maxsize=1)
 def _library() -> Any:
     """The core's library, with the functions of film_slide.h declared."""
-    lib, pointer = native.library(), c.c_void_p
-    lib.film_slide_init.argtypes = [pointer, pointer, _D, _D, _D]
-    lib.film_slide_init.restype = c.c_int
-    lib.film_slide.argtypes = [pointer, pointer, pointer, _D, pointer, c.c_int32, pointer]
-    lib.film_slide.restype = c.c_int
-    lib.film_slide_on_modes.argtypes = [pointer, pointer, pointer, pointer, _D, pointer, c.c_int32, pointer]
-    lib.film_slide_on_modes.restype = c.c_int
-    lib.film_slide_size.restype = c.c_int64
+    lib = SLIDE.declare(native.library())
     if lib.film_slide_size() != c.sizeof(Sliding):
         raise ImportError("the core was built from other sources: install the package again (pip install .)")
     return lib

@@ -11,23 +11,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from film_model.core import native
+from film_model.core.headers import Header
 
 Array = NDArray[np.float64]
 
-MOST = 256
+SPRINGS = Header("oblique/film_springs.h", native.CORE)
+(MOST,) = SPRINGS.film("MOST_SPRINGS")
 """Springs beside each other."""
 
-_D, _I, _PHASES = c.c_double, c.c_int32, 32
 
-
+@SPRINGS.structure("film_watch")
 class Watch(c.Structure):
-    """film_watch. phase: place in `film_model.oblique.result.KINDS`, −1 without contact. begins, kinds: of the phases
+    """phase: place in `film_model.oblique.result.KINDS`, −1 without contact. begins, kinds: of the phases
     that began, after so much of the time that has passed."""
-
-    _fields_ = (
-        *(("passed", _D), ("waited", _D), ("begins", _D * _PHASES), ("kinds", _I * _PHASES)),
-        *((name, _I) for name in ("events", "phase", "sign", "cut", "partly", "reserved")),
-    )
 
     @property
     def phases(self) -> list[tuple[float, int]]:
@@ -35,57 +31,32 @@ class Watch(c.Structure):
         return list(zip(self.begins[: self.events], self.kinds[: self.events], strict=True))
 
 
+@SPRINGS.structure("film_springs")
 class Springs(c.Structure):
-    """film_springs: springs at one moment; v: sliding velocity, q: friction force, rise: its rate,
-    push: other acceleration."""
-
-    _fields_ = (
-        [(name, _D) for name in ("stiffness", "width", "power", "friction", "mass", "v", "q", "rise", "push", "radius")]
-        + [("u", _D * MOST), ("reach", _D * MOST), ("sums", _D * (MOST + 1))]
-        + [(name, _I) for name in ("count", "stuck", "watched", "cut", "even", "reserved")]
-    )
+    """Springs at one moment; v: sliding velocity, q: friction force, rise: its rate, push: other acceleration."""
 
 
+@SPRINGS.structure("film_springs_impact_result")
 class Impact(c.Structure):
-    """film_springs_impact_result. velocity: at the end. force, step: largest friction force, and after how many steps.
-    error: of the velocity at any time, from half and a quarter of the springs and steps. slack: what the friction force
-    lacks to its limit, a share of the impulses. regime: place in `film_model.oblique.result.REGIMES`.
-    watch: of the phases; of the first one only without a motion."""
-
-    _fields_ = (
-        *((name, _D) for name in ("velocity", "force", "error", "slack")),
-        *(("step", c.c_int64), ("regime", _I), ("reserved", _I), ("watch", Watch)),
-    )
+    """velocity: at the end. force, step: largest friction force, and after how many steps. error: of the velocity at
+    any time, from half and a quarter of the springs and steps. slack: what the friction force lacks to its limit, a
+    share of the impulses. regime: place in `film_model.oblique.result.REGIMES`. watch: of the phases; of the first one
+    only without a motion."""
 
 
-MANY_DTYPE = np.dtype(
-    [(name, np.float64) for name in ("velocity", "force", "error")]
-    + [("step", np.int64), ("regime", np.int32), ("status", np.int32)]
-)
-"""film_springs_brief, as :class:`Impact`."""
+@SPRINGS.structure("film_springs_brief")
+class _Brief(c.Structure):
+    """As :class:`Impact`."""
+
+
+MANY_DTYPE = np.dtype(_Brief)
 
 
 @lru_cache(maxsize=1)
 def _library() -> Any:
     """The core's library, with the functions of film_springs.h declared."""
-    lib, pointer, i64 = native.library(), c.c_void_p, c.c_int64
-    signatures: dict[str, tuple[list[Any], Any]] = {
-        "film_springs_impact": ([_I, *[_D] * 4, pointer, _I, _D, i64, *[pointer] * 4], c.c_int),
-        "film_springs_radii": ([i64, i64, *[pointer] * 3, _D, pointer, pointer], None),
-        "film_springs_power": ([pointer], _D),
-        "film_springs_slopes": ([pointer, i64, *[pointer] * 3], None),
-        "film_springs_energy": ([pointer], _D),
-        "film_springs_many": ([i64, _I, pointer, pointer, _I, c.c_int, i64, *[pointer] * 3], None),
-        "film_springs_sizes": ([pointer], None),
-    }
-    for name, (arguments, result) in signatures.items():
-        function = getattr(lib, name)
-        function.argtypes = arguments
-        function.restype = result
-    sizes = (c.c_int64 * 2)()
-    lib.film_springs_sizes(sizes)
-    if list(sizes) != [c.sizeof(Springs), MANY_DTYPE.itemsize]:
-        raise ImportError("the core was built from other sources: install the package again (pip install .)")
+    lib = SPRINGS.declare(native.library())
+    SPRINGS.check(lib, "film_springs_sizes", Springs, _Brief)
     return lib
 
 

@@ -97,16 +97,9 @@ class Tables:
         self.lock = Lock()
         self.native = Structure()
         self._memory = np.empty(lib.film_structure_size(self.frequency.size, LEVELS))
-        status = lib.film_structure_init(
-            c.byref(self.native),
-            self.frequency.size,
-            self.frequency.ctypes.data,
-            self.share.ctypes.data,
-            self.ratio.ctypes.data,
-            longest,
-            LEVELS,
-            self._memory.ctypes.data,
-        )
+        columns = [column.ctypes.data for column in (self.frequency, self.share, self.ratio)]
+        given = self.frequency.size, *columns, longest, LEVELS, self._memory.ctypes.data
+        status = lib.film_structure_init(c.byref(self.native), *given)
         if status != native.OK:
             raise ValueError(_wrong(self.frequency, self.share, self.ratio))
         self.forms = np.zeros((0, 0, 0)) if forms is None else np.ascontiguousarray(forms, dtype=np.float64)
@@ -290,15 +283,8 @@ def batch(tables: Tables, curve: Curve, start: NDArray[Any]) -> tuple[NDArray[np
     summary, status = np.zeros(start.size, SUMMARY_DTYPE), np.empty(start.size, np.int32)
     waves = np.empty(tables.waves)
     with tables.lock:
-        _library().film_modal_batch(
-            c.byref(tables.native),
-            c.byref(curve),
-            start.size,
-            start.ctypes.data,
-            waves.ctypes.data,
-            summary.ctypes.data,
-            status.ctypes.data,
-        )
+        at = [array.ctypes.data for array in (start, waves, summary, status)]
+        _library().film_modal_batch(c.byref(tables.native), c.byref(curve), start.size, *at)
     return status, summary
 
 
@@ -308,15 +294,7 @@ def sample(
     """(count, 5) values as of `native.sample` at ascending times [s], and branch of each."""
     times = np.ascontiguousarray(times, dtype=np.float64)
     values, branches = np.empty((times.size, 5)), np.empty(times.size, np.int8)
-    _library().film_modal_sample(
-        c.byref(tables.native),
-        c.byref(curve),
-        segments.ctypes.data,
-        len(segments),
-        flights.ctypes.data,
-        times.ctypes.data,
-        times.size,
-        values.ctypes.data,
-        branches.ctypes.data,
-    )
+    record = c.byref(tables.native), c.byref(curve), segments.ctypes.data, len(segments), flights.ctypes.data
+    found = times.size, values.ctypes.data, branches.ctypes.data
+    _library().film_modal_sample(*record, times.ctypes.data, *found)
     return values, branches

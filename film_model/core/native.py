@@ -201,17 +201,8 @@ def sample(
     times = np.ascontiguousarray(times, dtype=np.float64)
     values = np.empty((times.size, 5))
     stages, phases = np.empty(times.size, np.int8), np.empty(times.size, np.int8)
-    lib = library()
-    lib.film_sample(
-        c.byref(curve),
-        lines.ctypes.data,
-        len(lines),
-        times.ctypes.data,
-        times.size,
-        values.ctypes.data,
-        stages.ctypes.data,
-        phases.ctypes.data,
-    )
+    found = values.ctypes.data, stages.ctypes.data, phases.ctypes.data
+    library().film_sample(c.byref(curve), lines.ctypes.data, len(lines), times.ctypes.data, times.size, *found)
     return values, stages, phases
 
 

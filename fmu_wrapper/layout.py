@@ -22,9 +22,10 @@ OF_LAW = (*SCALING, "exponent", *OF_DAMPING, "restitution")
 SHAPED = SCALING[:3]
 """Parameters whose powers make up the shape of a law with a family of curves: radius, modulus and strength."""
 
+_RUNTIME = Path(__file__).parent / "runtime"
 MODEL = Header(
-    Path(__file__).parent / "runtime/model.h",
-    *(modal.MODAL, sliding.SLIDE, relaxing.RELAX, Header(Path(__file__).parent / "runtime/variables.h")),
+    f"{_RUNTIME}/model.h",
+    *(modal.MODAL, sliding.SLIDE, relaxing.RELAX, Header(f"{_RUNTIME}/variables.h")),
 )
 RESTITUTION_TERMS = MODEL.numbers["RESTITUTION_TERMS"]
 """Terms of ln(damping factor/(1 − e)) over ln e."""

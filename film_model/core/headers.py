@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import ctypes as c
+import os.path
 import re
 from collections.abc import Callable, Iterator
 from functools import cached_property
-from pathlib import Path
 from typing import Any, TypeVar
 
 Kind = TypeVar("Kind", bound=type[c.Structure])
@@ -25,13 +25,14 @@ class Header:
     """A header of the core, by its path there, or another by its whole path. beside: those that it includes, whose
     structures are declared. numbers: further lengths of arrays by name."""
 
-    def __init__(self, path: str | Path, *beside: Header, numbers: dict[str, int] | None = None) -> None:
-        self._path, self._beside, self._more = Path(__file__).parent / path, beside, numbers or {}
+    def __init__(self, path: str, *beside: Header, numbers: dict[str, int] | None = None) -> None:
+        self._path, self._beside, self._more = os.path.join(os.path.dirname(__file__), path), beside, numbers or {}
         self._kinds: dict[str, Any] = {**_PLAIN, **{name: kind for one in beside for name, kind in one._kinds.items()}}
 
     @cached_property
     def _text(self) -> str:
-        return " ".join(_COMMENT.sub(" ", self._path.read_text("utf-8")).split())
+        with open(self._path, encoding="utf-8") as file:
+            return " ".join(_COMMENT.sub(" ", file.read()).split())
 
     @cached_property
     def numbers(self) -> dict[str, int]:

@@ -23,10 +23,10 @@ _FUNCTION = re.compile(r"FILM_API ([\w ]+?)(\w+)\(([^()]*)\);")
 
 class Header:
     """A header of the core, by its path there, or another by its whole path. beside: those that it includes, whose
-    structures are declared. numbers: further lengths of arrays by name."""
+    structures are declared."""
 
-    def __init__(self, path: str, *beside: Header, numbers: dict[str, int] | None = None) -> None:
-        self._path, self._beside, self._more = os.path.join(os.path.dirname(__file__), path), beside, numbers or {}
+    def __init__(self, path: str, *beside: Header) -> None:
+        self._path, self._beside = os.path.join(os.path.dirname(__file__), path), beside
         self._kinds: dict[str, Any] = {**_PLAIN, **{name: kind for one in beside for name, kind in one._kinds.items()}}
 
     @cached_property
@@ -37,7 +37,7 @@ class Header:
     @cached_property
     def numbers(self) -> dict[str, int]:
         """The numbers of the enumerations, of the headers beside it too."""
-        found = {name: value for one in self._beside for name, value in one.numbers.items()} | self._more
+        found = {name: value for one in self._beside for name, value in one.numbers.items()}
         for body in re.findall(r"enum \{(.*?)\}", self._text):
             following = 0
             for entry in body.strip(" ,").split(","):

@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 from film_model.core import native
 from film_model.core.native import FULL, START_DTYPE, SUMMARY_DTYPE, Curve, Mesh, Solution, Start, at, library
 
-MOST_SEGMENTS, MOST_LINES = 49152, 500_000
-"""Segments of loading, and lines of a contact, beyond which no mesh is refined (march/film_solve.h)."""
+MOST_SEGMENTS, MOST_LINES = native.SOLVE.film("MOST_SEGMENTS", "MOST_LINES")
+"""Segments of loading, and lines of a contact, beyond which no mesh is refined."""
 
 _FEW = 6
 """Meshes that nearly all contacts need."""

@@ -37,7 +37,10 @@ IMPACT = EngineLaw(
     ),
     force=lambda _, v, depth, rate: v["k"] * np.power(depth, v["e"]) + v["cmax"] * step(depth, v["d"]) * rate,
     start=lambda pair, middle: {
-        **{"k": middle.stiffness(1.5), "e": 1.5, "cmax": 1.5 * middle.damping(pair.mass), "d": 0.3 * middle.depth}
+        "k": middle.stiffness(1.5),
+        "e": 1.5,
+        "cmax": 1.5 * middle.damping(pair.mass),
+        "d": 0.3 * middle.depth,
     },
     paste=_paste,
     notes=("k is per metre to the power e: in millimetres it is another number, given below",),

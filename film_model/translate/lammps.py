@@ -79,7 +79,8 @@ HOOKE = EngineLaw(
     parameters=(Parameter("k_n", "N/m", "stiffness", 1e-12, logarithmic=True), granular.RESTITUTION),
     force=_hooke,
     start=lambda pair, middle: {
-        **{"k_n": middle.stiffness(1.0), "restitution": granular.start_by_restitution(pair, middle)["restitution"]}
+        "k_n": middle.stiffness(1.0),
+        "restitution": granular.start_by_restitution(pair, middle)["restitution"],
     },
     paste=_paste_hooke,
     pulls=True,

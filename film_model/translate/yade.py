@@ -28,9 +28,13 @@ def _start_mindlin(pair: Pair, middle: Middle) -> dict[str, float]:
     return {"young": begin["youngs_modulus"], "betan": middle.damping_ratio}
 
 
+def _angle(pair: Pair) -> float:
+    return math.atan(pair.friction or 0.0)
+
+
 def _paste_mindlin(pair: Pair, values: Values) -> str:
     return f"""O.materials.append(FrictMat(young={values["young"]:.6g}, poisson={pair.poissons_ratio:.6g}, \
-frictionAngle={math.atan(pair.friction or 0.0):.6g}, density=1))  # of both bodies; set the ball's mass to \
+frictionAngle={_angle(pair):.6g}, density=1))  # of both bodies; set the ball's mass to \
 {pair.ball_mass:.6g}
 InteractionLoop([Ig2_Sphere_Sphere_ScGeom(), Ig2_Wall_Sphere_ScGeom()],
     [Ip2_FrictMat_FrictMat_MindlinPhys(betan={values["betan"]:.6g}, betas=0)],
@@ -41,7 +45,7 @@ def _paste_linear(pair: Pair, values: Values) -> str:
     kn, cn = 2.0 * values["kn"], 2.0 * values["cn"]
     ks = 0.0 if pair.friction is None else kn / pair.ratio
     return f"""O.materials.append(ViscElMat(kn={kn:.6g}, cn={cn:.6g}, ks={ks:.6g}, cs=0, \
-frictionAngle={math.atan(pair.friction or 0.0):.6g}, density=1))
+frictionAngle={_angle(pair):.6g}, density=1))
 # of both bodies: they act in series; set the ball's mass to {pair.ball_mass:.6g}
 InteractionLoop([Ig2_Sphere_Sphere_ScGeom(), Ig2_Wall_Sphere_ScGeom()],
     [Ip2_ViscElMat_ViscElMat_ViscElPhys()],

@@ -15,7 +15,8 @@ from cases import scene
 import hatch_build
 from film_model.cli.main import main
 from fmu_wrapper import export, platforms, resource
-from fmu_wrapper.variables import VARIABLES
+from fmu_wrapper.layout import DAMPING, MODEL, SCALING, SHAPED, Data
+from fmu_wrapper.variables import STATES, VARIABLES, settable
 
 lief = pytest.importorskip("lief")
 lief.logging.disable()
@@ -263,3 +264,9 @@ def test_zig_compiles_hardly_more_than_our_sources(name, tmp_path, monkeypatch):
     compiled = [path.name for path in (tmp_path / "cache").rglob("*") if path.suffix in (".o", ".obj")]
     assert any("compiler_rt" in one for one in compiled) == name.endswith("windows")
     assert len(compiled) <= {"linux": 40, "windows": 1, "darwin": 0}[name.split("-")[1]]
+
+
+def test_lists_of_parameters_are_as_long_as_the_arrays_of_the_runtime():
+    lists = {"SCALINGS": SCALING, "DAMPINGS": DAMPING, "SHAPE_POWERS": SHAPED, "STATES": STATES}
+    assert {name: MODEL.numbers[name] for name in lists} == {name: len(names) for name, names in lists.items()}
+    assert len(Data().start) == settable()

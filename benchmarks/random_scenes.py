@@ -28,6 +28,7 @@ import numpy as np
 
 import film_datasets as fd
 import film_model as fm
+from film_model.effects.choose import choose
 from film_model.solve.simulate import simulate_quietly
 
 TESTS = Path(__file__).parents[1] / "tests"
@@ -149,8 +150,12 @@ def compared(scene: fm.Scene) -> Iterator[tuple[str, str]]:
 
 
 def _simulated(scene: fm.Scene) -> fm.History:
-    """As `fm.simulate`, which judges the effects for its warnings."""
-    history = simulate_quietly(scene)
+    """As `fm.simulate`, which judges the effects for its warnings; those of a refused impact too, as a dataset does."""
+    try:
+        history = simulate_quietly(scene)
+    except fm.SimulationError:
+        assert choose(scene).effects
+        raise
     assert all(history.warnings)
     return history
 

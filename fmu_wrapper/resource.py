@@ -211,8 +211,9 @@ def _stresses(problem: Problem) -> Stresses:
     known = Stresses(radius)
     if modulus is None or problem.curve.pulls or scene.nose is not None:
         return known
-    known.hertz, known.hertzian, known.shallow = hertz_stiffness(modulus, radius), stresses.HERTZIAN, stresses.SHALLOW
+    known.hertz, known.shallow = hertz_stiffness(modulus, radius), stresses.SHALLOW
     known.widening = problem.impacts.law.value("widening")
+    known.hertzian = stresses.hertzian(known.widening)
     plastic = stresses.plastic_contact(problem.impacts)
     if plastic is not None:
         own = plastic.constants

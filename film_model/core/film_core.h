@@ -291,8 +291,8 @@ FILM_API int film_input(film_state *state, double load, double nu_change, double
 FILM_API int film_step(const film_curve *curve, const film_mesh *mesh, film_state *state, double dt);
 
 /* From state to the end of the next contact, or until time_limit: every line, and the state at every event; after
- * the end of contact one more line, the flight that follows. FILM_OK at the limit, FILM_EVENT at the end of contact,
- * FILM_ENDLESS, or a failure. */
+ * the end of contact one more line, the flight that follows. FILM_OK at the limit, or at first touch without velocity where the
+ * load presses it back in, FILM_EVENT at the end of contact, FILM_ENDLESS, or a failure. */
 FILM_API int film_record(const film_curve *curve, const film_mesh *mesh, film_state *state, double time_limit,
                          film_line *lines, int32_t line_room, int32_t *line_count, film_state *events,
                          int32_t event_room, int32_t *event_count);
@@ -336,7 +336,7 @@ FILM_API int film_switch(const film_curve *curve, film_state *state);
 /* The true law: force, and work since the stage began, of loading stage `stage` at xi. */
 FILM_API void film_law(const film_curve *curve, int32_t stage, double xi, double *force, double *work);
 
-/* One contact: FILM_EVENT when it has ended, FILM_OK at the time limit, FILM_ENDLESS, or a failure. Without load and limit, or under
+/* One contact: as film_record ends: FILM_EVENT, FILM_OK, FILM_ENDLESS, or a failure. Without load and limit, or under
  * a damped law, it is film_batch's row, faster than film_marched; on a fixed target times differ by less than their errors. */
 FILM_API int film_impact(const film_curve *curve, const film_mesh *mesh, const film_start *start,
                          film_summary *summary);

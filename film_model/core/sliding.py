@@ -37,12 +37,12 @@ def begin(curve: native.Curve, friction: float, mass: float, velocity: float) ->
 
 
 def slide(
-    curve: native.Curve, mesh: native.Mesh, begun: native.State, dt: float, friction: Array, sliding: Sliding
+    curve: native.Curve, mesh: native.Mesh, begun: native.State, ended: native.State, friction: Array, sliding: Sliding
 ) -> int:
-    """Advance `sliding` in place by dt, in which the normal motion leads on from `begun`; the core's status.
+    """Advance `sliding` in place while the normal motion leads from `begun` to `ended`; the core's status.
     friction: pairs of speed and coefficient, (pairs, 2); none for that of the start."""
     table = friction.ctypes.data, len(friction)
-    return _library().film_slide(c.byref(curve), c.byref(mesh), c.byref(begun), dt, *table, c.byref(sliding))
+    return _library().film_slide(c.byref(curve), c.byref(mesh), c.byref(begun), c.byref(ended), *table, c.byref(sliding))
 
 
 def slide_on_modes(motion: modal.Motion, dt: float, friction: Array, sliding: Sliding) -> int:

@@ -39,6 +39,12 @@ def plastic_contact(impacts: Impacts) -> Plastic | None:
     return Plastic(strain, 0.0 if exponent is None else exponent, 0.0 if share is None else share)
 
 
+def hertzian(widening: Number) -> Number:
+    """Largest such difference of a law; negative for one wider than the ball's section, which has no elastic stage and
+    Hertz's force by chance."""
+    return either(widening > 1.0, -1.0, HERTZIAN)
+
+
 def contact_radius(impacts: Impacts, force: Number, indentation: Number) -> tuple[Number, Any]:
     """Contact radius at the largest force [N] and indentation [m], m (nan if unknown); and whether contact is Hertz's.
 
@@ -53,11 +59,12 @@ def contact_radius(impacts: Impacts, force: Number, indentation: Number) -> tupl
         return elastic_radius(scene, indentation), force != force
     hertz = hertz_stiffness(modulus, radius) * indentation * root(indentation)
     off = ratio(abs(force - hertz), hertz)
-    elastic = off <= HERTZIAN
-    square = radius * indentation
-    if not any_of(off > HERTZIAN) or scene.oval is not None:
+    own = impacts.law.value("widening")
+    near = hertzian(own)
+    elastic, square = off <= near, radius * indentation
+    if not any_of(off > near) or scene.oval is not None:
         return elastic_radius(scene, indentation), elastic
-    own, plastic, widened = impacts.law.value("widening"), plastic_contact(impacts), math.nan
+    plastic, widened = plastic_contact(impacts), math.nan
     if plastic is not None:
         w = greater(indentation / (plastic.first_radius**2.0 * radius), 1.0)
         widened = plastic.widening(w)

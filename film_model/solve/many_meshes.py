@@ -162,10 +162,10 @@ def _estimate(
     made.apart[places] = apart
     loaded = problem.load > 0.0
     if n <= FIRST_SEGMENTS and (problem.curve.pulls or problem.loaded):
-        # Meshes that agree to 1e-6 under a load or of a law that pulls are no evidence: they agree by chance, or an
+        # Meshes that agree to 1e-5 under a load or of a law that pulls are no evidence: they agree by chance, or an
         # impactor that turns back within the first lines of both has the same lines on both
         # (tests/test_one_and_many.py).
-        found[(apart <= 1e-6) & (loaded | problem.curve.pulls)] = 1.0
+        found[(apart <= 1e-5) & (loaded | problem.curve.pulls)] = 1.0
     if problem.loaded and problem.damps:  # by lines, of which the first ones stop the impactor
         found[loaded & (n < first_segments(problem.damping, FIRST_SEGMENTS))] = 1.0
     if problem.loaded:

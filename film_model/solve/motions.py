@@ -51,7 +51,7 @@ class OnLines:
         status = self.step(dt)
         if status < 0:
             return status
-        slid = core.slide(self._curve, self.mesh, begin, self.time - begin.time, friction.table, friction.core)
+        slid = core.slide(self._curve, self.mesh, begin, self._state, friction.table, friction.core)
         return slid if slid < 0 else status
 
     def renew_work(self) -> None:

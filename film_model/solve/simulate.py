@@ -24,10 +24,6 @@ from film_model.solve.history import MOTION, Accuracy, Event, History, Samples, 
 if TYPE_CHECKING:
     from film_model.solve.vibration import Moment, Vibration
 
-GRAZING = 1e-12
-"""Kinetic energy over the work of the load that is rounding, if both the impact and the end of contact have less."""
-
-
 DEEPER = 1.0 + 1e-10
 """A turn is deeper than those before by this factor, as in film_marched.c: contacts that swing turn at one depth."""
 
@@ -178,19 +174,11 @@ def _record(problem: Problem, solver: Solver, counts: tuple[int, int]) -> tuple[
     status, lines, states = native.record(problem.curve.native, mesh_of(solver, counts), state, problem.limit, room)
     raise_failure(status, problem)
     peak = max(state.force_peak, state.force)
-    if status == native.EVENT and problem.load > 0.0 and _grazes(problem, state, states):
-        status, states = native.OK, states[:-1]  # back at first touch without velocity: the load keeps contact closed
     if status == native.OK and problem.approach == 0.0:
         returns = np.flatnonzero(states["event"] == native.EVENTS.index("reloading_begins"))
         if returns.size:
             status, states = native.ENDLESS, states[: returns[0] + 1]  # what follows repeats this swing, or fades
     return status, lines, states, peak
-
-
-def _grazes(problem: Problem, state: native.State, states: Any) -> bool:
-    """Whether the velocity at the end of contact is only rounding of the work of the load."""
-    rounding = GRAZING * problem.load * float(states["xi"].max())
-    return state.nu**2 <= rounding and problem.approach**2 <= rounding
 
 
 class _Recorded(NamedTuple):

@@ -281,7 +281,7 @@ static int advance(model *m, double dt) {
     memcpy(&from, &m->memory.state, sizeof from);
     int status = advance_alone(m, dt);
     if (status < 0) return status;
-    int slid = sliding_follow(m, &from, m->memory.state.time - from.time);
+    int slid = sliding_follow(m, &from);
     return slid < 0 ? slid : status;
 }
 

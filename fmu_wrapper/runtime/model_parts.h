@@ -57,11 +57,11 @@ static inline int relaxes(const model *m) { return m->data->relaxation.tolerance
 /* Whether the target follows the contact force by its static stiffness: the march is that of a contact in series with a spring. */
 static inline int sprung(const model *m) { return m->data->kind == IMPACT && m->data->available[TARGET_STIFFNESS]; }
 
-/* Friction: at the start, with new inputs, and beside a motion that led on from a state in a time, of which only the end may be
+/* Friction: at the start, with new inputs, and beside the motion from a state to that of now, of which only the latter may be at
  * an event (on a vibrating target modes_step has done that); the last returns the core's status. model_of_friction: whether an output is one of friction, and its value. */
 int sliding_begin(model *m);
 void sliding_input(model *m);
-int sliding_follow(model *m, const film_state *from, double time);
+int sliding_follow(model *m, const film_state *from);
 static inline int model_of_friction(unsigned reference) { return reference >= SLIDING_VELOCITY && reference <= TIME_OF_LAST_SLIDING_EVENT; }
 double sliding_output(const model *m, unsigned reference);
 static inline int slides(const model *m) { return m->data->kind == IMPACT && m->data->available[FRICTION]; }

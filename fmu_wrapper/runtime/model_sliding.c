@@ -33,11 +33,12 @@ void sliding_input(model *m) {
     now->tangential_support = value[TANGENTIAL_SUPPORT_VELOCITY];
 }
 
-int sliding_follow(model *m, const film_state *from, double time) {
+int sliding_follow(model *m, const film_state *from) {
     model_memory *now = &m->memory;
+    double time = now->state.time - from->time;
     now->pushed += now->value[TANGENTIAL_FORCE] * time * clock_of(m);
     now->turned += now->value[TORQUE] * time * clock_of(m);
-    int status = vibrates(m) ? FILM_OK : film_slide(m->curve, &m->mesh, from, time, NULL, 0, &now->sliding);
+    int status = vibrates(m) ? FILM_OK : film_slide(m->curve, &m->mesh, from, &now->state, NULL, 0, &now->sliding);
     const film_watch *watch = &now->sliding.watch;
     if (watch->events == 0) return status;
     now->sliding_events += watch->events;

@@ -62,7 +62,7 @@ static int aim_by_trial(const film_curve *curve, const film_mesh *mesh, film_sta
         s->leg_to = fixed.leg_to;
         s->leg_ends = ENDS_TURN;
     }
-    for (int32_t nodes = 1; nodes == 1 || 3 * nodes <= s->leg_nodes; nodes *= 4) {
+    for (int32_t nodes = 1; nodes <= 4 || 3 * nodes <= s->leg_nodes; nodes *= 4) {
         film_state trial;
         int status = follow_trial(curve, mesh, s, nodes, &trial);
         if (status < 0) return status;

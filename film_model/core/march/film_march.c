@@ -256,7 +256,7 @@ int film_step(const film_curve *curve, const film_mesh *mesh, film_state *s, dou
 
 int film_record(const film_curve *curve, const film_mesh *mesh, film_state *s, double time_limit, film_line *lines,
                 int32_t line_room, int32_t *line_count, film_state *events, int32_t event_room, int32_t *event_count) {
-    double dt = time_limit - s->time;
+    double dt = time_limit - s->time, approach = s->nu;
     int status = check_step(mesh, s, dt);
     *line_count = *event_count = 0;
     while (status >= 0) {
@@ -272,6 +272,7 @@ int film_record(const film_curve *curve, const film_mesh *mesh, film_state *s, d
             if (status == FILM_ENDLESS || (status == FILM_OK && dt == 0.0)) return status;
         }
         if (status == FILM_EVENT) {
+            if (s->event == FILM_CONTACT_ENDS && film_grazes(s->load, s->xi_max, approach, s->nu)) return FILM_OK;
             if (*event_count >= event_room) return FILM_FULL;
             events[(*event_count)++] = *s;
             if (s->event == FILM_CONTACT_ENDS) { /* add the flight that follows, for samples after the end */

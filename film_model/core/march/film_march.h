@@ -51,8 +51,8 @@ static const double ADJACENT = 1e-15;
  * Without it core_check.c does not end. */
 static const double REST_SPEED = 1e-13;
 
-/* f and c of a damped law may both be 0 at first touch and where its dent ends. There the sign of F is taken at this fraction
- * of the depth instead. core_check.c, one_schedule with DAMPED: without it a step does not end. */
+/* A line of a damped law that begins within this fraction of its length of first touch begins there, where c may be a root; a
+ * velocity below this fraction is rounding. core_check.c, one_schedule with DAMPED: without it a step does not end. */
 static const double INSIDE_DENT = 1e-9;
 
 /* A contact creeps out and never ends if its indentation has fallen to this fraction of its depth, or if its next line takes
@@ -90,6 +90,12 @@ static inline double per_length(const film_state *s, double h) { return s->xi + 
 static inline double speed_after(double v, double work) {
     double square = v * v - 2.0 * work;
     return square > 0.0 ? sqrt(square) : 0.0;
+}
+
+/* Whether a contact that ends with velocity nu stays closed: the kinetic energies there and at first touch are rounding of the
+ * work of the load, which presses the impactor back in. */
+static inline int film_grazes(double load, double depth, double approach, double nu) {
+    return load > 0.0 && fmax(approach * approach, nu * nu) <= 1e-12 * load * depth;
 }
 
 /* The end of the current stage or branch, inwards (direction 1) or outwards (-1). */

@@ -209,6 +209,7 @@ int film_marched(const film_curve *curve, const film_mesh *mesh, const film_star
         }
     }
     if (status < 0) return status;
+    if (status == FILM_EVENT && film_grazes(start->load, s.xi_max, start->nu, s.nu)) status = FILM_OK;
     summary->maximum_force = fmax(s.force_peak, s.force); /* s.force where the time limit comes on the way in */
     summary->shift = s.shift;
     summary->work = s.spent;

@@ -14,9 +14,9 @@ static const double SHORT_WAY_TO_TURN = 1e-9;
  * Affects cost only: with 0, some lines are halved because rounding makes them dip. */
 static const double DIP = 1e-12;
 
-/* A leg was aimed at a turn that the motion passes: if the run ends farther ahead than so many times the rest of the leg, the
- * way to its end is planned afresh. One line would be too long for the mesh, on every mesh. */
-static const double FAR_EDGE = 2.0;
+/* A leg was aimed at a turn that the motion passes: if it turns, or the run ends, farther ahead than so many times the rest of
+ * the leg, the way to there is planned afresh. One line would be too long for the mesh, on every mesh. */
+static const double FAR = 2.0;
 
 /* Whether the contact creeps out along a branch that ends at an angle, and never ends. With the ratio u of nu to the force f
  * there, u' = kappa u (gamma - u) - 1. If the slope at the end is at least 4/gamma^2, the larger of the u that stand still
@@ -200,13 +200,15 @@ static int line_to_turn(const film_curve *curve, const film_mesh *mesh, film_sta
     }
     if (turn == TURN_BETWEEN && !(s->line.kappa > 0.0)) return pass_softening(curve, mesh, s, length);
     if (turn != NO_TURN) {
+        double usual = fmax(guess, fabs(s->leg_to - s->leg_from) / s->leg_nodes);
+        if (length > FAR * usual && s->leg_grading != GRADING_COARSE) return pass_softening(curve, mesh, s, guess);
         s->line_ends = s->tau_end < INFINITY ? ENDS_TURN : ENDS_NEVER;
         s->xi_end = s->xi + s->direction * length;
         s->nu_end = s->gamma * s->force_end;
         return FILM_OK;
     }
     if (!(edge < INFINITY)) return FILM_BEYOND_LAW;
-    if (edge > FAR_EDGE * guess) return pass_softening(curve, mesh, s, guess);
+    if (edge > FAR * guess) return pass_softening(curve, mesh, s, guess);
     film_make_turn_line(curve, mesh, s, edge, 0);
     motion m = motion_on(s, s->line.phi, s->line.kappa);
     s->leg_node = s->leg_nodes - 1;

@@ -31,7 +31,7 @@ static double narrow(bracket *b, double at, double value, int step) {
 
 /* F of the true law at xi, at least a little inside the dent, where f and c are not both 0; negative where it would pull. */
 static double force_inside(const film_curve *curve, const film_state *s, double xi, double nu) {
-    double f, work, at = fmax(xi, INSIDE_DENT * s->leg_from);
+    double f, work, at = fmax(xi, CREPT * s->leg_from);
     law_at(curve, &s->line, at, &f, &work);
     return total_force(&s->line, damping_at(curve, &s->line, at), f, nu);
 }

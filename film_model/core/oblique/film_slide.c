@@ -62,22 +62,25 @@ int film_slide_init(film_sliding *sliding, const film_curve *curve, double frict
     return status;
 }
 
-int film_slide(const film_curve *curve, const film_mesh *mesh, const film_state *from, double dt, const double *friction, int32_t rows,
-               film_sliding *sliding) {
+int film_slide(const film_curve *curve, const film_mesh *mesh, const film_state *from, const film_state *to, const double *friction,
+               int32_t rows, film_sliding *sliding) {
     film_state state = *from;
+    double dt = to->time - from->time;
     if (!(dt >= 0.0 && dt < INFINITY)) return FILM_BAD_NUMBER;
     sliding->watch.events = 0, sliding->watch.passed = 0.0;
+    if (dt == 0.0) return FILM_OK;
     if (state.branch == FILM_FREE) {
         advance(sliding, (grip){0.0, 0.0}, dt, friction, rows);
         return FILM_OK;
     }
     double count = steps_for(sliding, grip_of(curve, &state), dt, rows);
     if (!spend(sliding, count)) return FILM_TOO_MANY;
-    for (double k = 1.0; k <= count; k += 1.0) {
+    for (double k = 1.0; k < count; k += 1.0) {
         int status = follow(curve, mesh, &state, from->time + dt * (k / count));
         if (status < 0) return status;
         advance(sliding, grip_of(curve, &state), dt / count, friction, rows);
     }
+    advance(sliding, grip_of(curve, to), dt / count, friction, rows);
     return FILM_OK;
 }
 

@@ -25,10 +25,10 @@ typedef struct {
 /* At the start of a motion: mass and velocity as above. FILM_OK or FILM_BAD_NUMBER. */
 FILM_API int film_slide_init(film_sliding *sliding, const film_curve *curve, double friction, double mass, double velocity);
 
-/* From a state of the normal motion on by dt, in which only its end may be an event: FILM_OK, FILM_TOO_MANY steps, or what
+/* Between two states of the normal motion, of which only the second may be at an event: FILM_OK, FILM_TOO_MANY steps, or what
  * film_step fails with. friction, rows: as in film_springs.h; 0 rows: that of film_slide_init. */
-FILM_API int film_slide(const film_curve *curve, const film_mesh *mesh, const film_state *from, double dt, const double *friction,
-                        int32_t rows, film_sliding *sliding);
+FILM_API int film_slide(const film_curve *curve, const film_mesh *mesh, const film_state *from, const film_state *to,
+                        const double *friction, int32_t rows, film_sliding *sliding);
 
 /* Both motions forward, the normal one as film_modal_step, to the last bit, and with its status, on a structure whose surface does
  * not move along itself; or FILM_TOO_MANY steps in one of the structure's. dt: in its unit. */

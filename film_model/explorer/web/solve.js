@@ -264,13 +264,8 @@ function recorded(problem, line, counts) {
     CORE.top = record.top;
     throw new Failure(record.status);
   }
-  const { grazing, deeper } = DATA.constants;
-  let { status, events, end } = record;
-  const rounding = grazing * p.load * Math.max(0, ...events.map((/** @type {any} */ e) => e.xi));
-  if (status === EVENT && p.load > 0 && end.nu ** 2 <= rounding && p.approach ** 2 <= rounding) {
-    status = 0;
-    events = events.slice(0, -1);
-  }
+  const { deeper } = DATA.constants;
+  const { status, events, end } = record;
   const last = events.at(-1);
   const core = { status, maximum_force: end.peak, maximum_indentation: 0, time_of_maximum_indentation: NaN };
   const times = { time_impactor_stops: NaN, contact_duration: NaN };
@@ -286,7 +281,7 @@ function recorded(problem, line, counts) {
     }
   }
   const at = { permanent_indentation: last.xi, final_velocity: last.nu, shift: last.shift, work: last.spent };
-  return { ...record, status, events, core: { ...core, ...times, ...at } };
+  return { ...record, core: { ...core, ...times, ...at } };
 }
 
 /**

@@ -105,6 +105,18 @@ def test_laws_with_a_contact_radius_of_their_own(law, widening, over):
     assert given["contact_radius"] == pytest.approx(own, rel=1e-12)
 
 
+def test_a_rigid_plastic_force_may_be_hertzs_by_chance():
+    """Its line crosses Hertz's curve: the radius and pressure there are its own, and no elastic stress is known."""
+    given = scene("rigid-plastic")
+    modulus, pressure = given.effective_modulus, 3.0 * given.yield_strength
+    depth = given.effective_radius * (1.5 * math.pi * pressure / modulus) ** 2  # 4/3 E √R δ^1.5 = 2 π R p δ
+    at = depth * np.array([0.5, 0.999, 1.0, 1.001, 2.0])
+    force = 2.0 * math.pi * given.effective_radius * pressure * at
+    radius, elastic = contact_radius(choose(given).problem.impacts, force, at)
+    np.testing.assert_allclose(radius, np.sqrt(2.0 * given.effective_radius * at), rtol=1e-12)
+    assert not np.any(elastic)
+
+
 def test_the_contact_is_at_most_as_wide_as_the_ball():
     radius, elastic = contact_radius(choose(scene("auto", "50 m/s")).problem.impacts, 1e4, 4e-3)
     assert not elastic

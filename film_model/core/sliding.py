@@ -42,7 +42,9 @@ def slide(
     """Advance `sliding` in place while the normal motion leads from `begun` to `ended`; the core's status.
     friction: pairs of speed and coefficient, (pairs, 2); none for that of the start."""
     table = friction.ctypes.data, len(friction)
-    return _library().film_slide(c.byref(curve), c.byref(mesh), c.byref(begun), c.byref(ended), *table, c.byref(sliding))
+    return _library().film_slide(
+        c.byref(curve), c.byref(mesh), c.byref(begun), c.byref(ended), *table, c.byref(sliding)
+    )
 
 
 def slide_on_modes(motion: modal.Motion, dt: float, friction: Array, sliding: Sliding) -> int:

@@ -40,9 +40,9 @@ def plastic_contact(impacts: Impacts) -> Plastic | None:
 
 
 def hertzian(widening: Number) -> Number:
-    """Largest such difference of a law; negative for one wider than the ball's section, which has no elastic stage and
+    """Largest such difference of a law; 0 for one wider than the ball's section, which has no elastic stage and
     Hertz's force by chance."""
-    return either(widening > 1.0, -1.0, HERTZIAN)
+    return either(widening > 1.0, 0.0, HERTZIAN)
 
 
 def contact_radius(impacts: Impacts, force: Number, indentation: Number) -> tuple[Number, Any]:

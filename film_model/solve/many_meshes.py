@@ -101,11 +101,12 @@ def _segments_of_lines(problem: Problem, solver: Solver) -> NDArray[np.int32]:
 
 def _doubted(problem: Problem, solver: Solver, made: Marched, left: Index, n: int) -> Index:
     """The places to refine, with those where the meshes of n and n/2 segments agreed by chance: a third mesh of 3n/4
-    judges lines on moving targets that no table or polynomial replaces, and the larger estimate counts."""
+    judges lines on moving targets and under a load, which no table or polynomial replaces; the larger estimate
+    counts."""
     assert solver.accuracy is not None
     # Near the accuracy estimates are from three meshes where lines decide: two agree by chance in about one of 50,000
     # impacts, and in few of these to a small fraction of the error (tests/hostile/scenes/chance_6961.toml).
-    doubtful = (problem.gamma > 0.0) & (made.estimated > 0.05 * solver.accuracy)
+    doubtful = ((problem.gamma > 0.0) | (problem.load > 0.0)) & (made.estimated > 0.05 * solver.accuracy)
     doubtful[left] = False
     if _by_powers(problem) or not any_of(doubtful):
         return left
@@ -162,10 +163,10 @@ def _estimate(
     made.apart[places] = apart
     loaded = problem.load > 0.0
     if n <= FIRST_SEGMENTS and (problem.curve.pulls or problem.loaded):
-        # Meshes that agree to 1e-5 under a load or of a law that pulls are no evidence: they agree by chance, or an
+        # Meshes that agree to 1e-6 under a load or of a law that pulls are no evidence: they agree by chance, or an
         # impactor that turns back within the first lines of both has the same lines on both
         # (tests/test_one_and_many.py).
-        found[(apart <= 1e-5) & (loaded | problem.curve.pulls)] = 1.0
+        found[(apart <= 1e-6) & (loaded | problem.curve.pulls)] = 1.0
     if problem.loaded and problem.damps:  # by lines, of which the first ones stop the impactor
         found[loaded & (n < first_segments(problem.damping, FIRST_SEGMENTS))] = 1.0
     if problem.loaded:

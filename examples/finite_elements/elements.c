@@ -116,6 +116,7 @@ static void add_row(Mesh *mesh, int j, double dt, Work *work)
     /* density x wave speed x size is the same of all elements */
     const double thickness = VISCOSITY * sqrt(stiffness) * mesh->size;
     double internal = 0.0, plastic = 0.0, hourglass = 0.0, viscous = 0.0;
+#pragma GCC ivdep /* no two of these arrays overlap; without it gcc does not vectorize: up to twice the time */
     for (int i = 0; i < count; i++) { /* nodes 1, 2: lower left and right; 3, 4: upper right and left */
         const double y24 = zl[i + 1] - zu[i], y31 = zu[i + 1] - zl[i];
         const double x42 = ru[i] - rl[i + 1], x13 = rl[i] - ru[i + 1];
@@ -141,7 +142,7 @@ static void add_row(Mesh *mesh, int j, double dt, Work *work)
         const double over = m.yields ? fmax(mises - flow[i], 0.0) : 0.0;
         const double more = over / (3.0 * m.shear + slope);
         strain[i] += more;
-        flow[i] = m.exponent > 0.0 ? exp(m.exponent * log(1.0 + m.modulus * strain[i])) : 1.0;
+        flow[i] = exp(m.exponent * log(1.0 + m.modulus * strain[i]));
         const double scale = over > 0.0 ? flow[i] / mises : 1.0;
         a = srr[i] = a * scale + mean;
         b = szz[i] = b * scale + mean;

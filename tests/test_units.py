@@ -56,6 +56,8 @@ def test_every_dimension_has_a_unit_that_pint_and_we_read(dimension: str) -> Non
         ("150 kg/s", "impedance", 150.0),
         ("150 N s m-1", "impedance", 150.0),
         ("20 us", "time", 2e-5),
+        ("40 1/s", "rate", 40.0),
+        ("40/ms", "rate", 4e4),
         ("20 mPa*s", "viscosity", 0.02),
         ("20 mPa·s", "viscosity", 0.02),
         ("20 mPa s", "viscosity", 0.02),

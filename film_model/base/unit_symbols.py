@@ -56,15 +56,18 @@ _WORDS = [
 
 _FACTOR = re.compile(r"([A-Za-z_]+)(?:(?:\^|\*\*)?([+-]?[0-9]{1,3}(?:\.[0-9]{1,17})?))?")
 _SEPARATOR = re.compile(r"\s*[*/]\s*|\s+")
+_INVERSE = re.compile(r"1?\s*/\s*")
 _BASE = {"[mass]": "kilogram", "[length]": "meter", "[time]": "second"}
 
 
 @lru_cache(maxsize=256)
 def parse_unit(unit: str) -> tuple[Decimal, Powers]:
-    """Size in SI units, and powers, of a unit such as "kg/m^3", "N*s/m" or "kg m-3"."""
+    """Size in SI units, and powers, of a unit such as "kg/m^3", "N*s/m", "kg m-3" or "1/s"."""
     if _MILLIPASCAL_SECOND.fullmatch(unit):
         return Decimal("1e-3"), (1, -1, -1)
     size, powers, sign, end = Decimal(1), [0.0, 0.0, 0.0], 1, 0
+    if inverse := _INVERSE.match(unit):
+        sign, end = -1, inverse.end()
     while True:
         match = _FACTOR.match(unit, end)
         if match is None:

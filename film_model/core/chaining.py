@@ -6,7 +6,7 @@ import ctypes as c
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -38,11 +38,25 @@ class Summary(c.Structure):
 SUMMARY_DTYPE = np.dtype(Summary)
 
 
+class Vibrations(NamedTuple):
+    """A structure's vibrations in the units of the chain: ω² and 2 ζ ω, (modes,), and their shapes of modal masses of 1
+    at its points, (points, modes)."""
+
+    square: Array
+    drag: Array
+    shapes: Array
+
+
+RIGID = Vibrations(np.zeros(0), np.zeros(0), np.zeros((0, 0)))
+"""No structure."""
+
+
 @dataclass(frozen=True)
 class Run:
     """What a run did, in the units of the chain. status: of the core. indentation: of the contacts, velocity: of the
-    bodies. contacts: SUMMARY_DTYPE. samples: indentations, velocities and forces at each time: (times, 2 contacts +
-    bodies). failed: the contact whose law refused the motion."""
+    bodies. contacts: SUMMARY_DTYPE. structure: energy of the vibrations, and what their damping has taken. samples:
+    indentations, velocities and forces at each time, and displacement, velocity and acceleration of each point of the
+    structure: (times, 2 contacts + bodies + 3 points). failed: the contact whose law refused the motion."""
 
     status: int
     time: float
@@ -50,6 +64,7 @@ class Run:
     indentation: Array
     velocity: Array
     contacts: NDArray[Any]
+    structure: Array
     samples: Array
     failed: int
 
@@ -66,28 +81,33 @@ def run(
     mass: Array,
     velocity: Array,
     fall: Array,
-    contacts: Sequence[tuple[native.Curve, float, float, float, float, float, float, int, int]],
+    contacts: Sequence[tuple[native.Curve, float, float, float, float, float, float, int, int, int, int]],
+    vibrations: Vibrations = RIGID,
     *,
     limit: float,
     tolerance: float,
     times: Any,
 ) -> Run:
     """Follow a chain. fall: accelerations by weight. contacts: curve, units of indentation and force, depth, factor of
-    the damping, gap, cosine between both lines, and the bodies in front and behind. limit, times: of the end and of
+    the damping, gap, cosine between both lines, the bodies in front and behind, and the point and side of the
+    structure, -1 and 0 away from it. limit, times: of the end and of
     the samples, ascending; limit may be infinite."""
-    lib, n, m = _library(), mass.size, len(contacts)
+    lib, n, m, points = _library(), mass.size, len(contacts), len(vibrations.shapes)
+    vibrations = Vibrations(*map(np.ascontiguousarray, vibrations))
     given = (Contact * max(m, 1))(*(Contact(c.addressof(curve), *numbers) for curve, *numbers in contacts))
     mass, velocity, fall, times = (np.ascontiguousarray(row, dtype=np.float64) for row in (mass, velocity, fall, times))
     chain = Chain(
         *(n, m, mass.ctypes.data, velocity.ctypes.data, fall.ctypes.data, c.addressof(given)),
-        *(limit, tolerance, MOST_STEPS, 0),
+        *(limit, tolerance, MOST_STEPS, vibrations.square.size, points, 0),
+        *(row.ctypes.data for row in vibrations),
     )
     time, steps, failed = c.c_double(), c.c_int32(), c.c_int32(-1)
     indentation, speeds, found = np.empty(m), np.empty(n), np.zeros(m, SUMMARY_DTYPE)
-    samples, memory = np.empty((times.size, 2 * m + n)), np.empty(lib.film_chain_size(n, m) // 8 + 1)
+    structure, samples = np.empty(2), np.empty((times.size, 2 * m + n + 3 * points))
+    memory = np.empty(lib.film_chain_size(n, m, vibrations.square.size) // 8 + 1)
     status = lib.film_chain_run(
-        *(c.byref(chain), c.byref(time), indentation.ctypes.data, speeds.ctypes.data, found.ctypes.data),
+        *(c.byref(chain), c.byref(time), indentation.ctypes.data, speeds.ctypes.data, found.ctypes.data, structure.ctypes.data),
         *(times.size, times.ctypes.data, samples.ctypes.data),
         *(c.byref(steps), c.byref(failed), memory.ctypes.data),
     )
-    return Run(status, time.value, steps.value, indentation, speeds, found, samples, failed.value)
+    return Run(status, time.value, steps.value, indentation, speeds, found, structure, samples, failed.value)

@@ -252,6 +252,7 @@ def _runner(chain: Chain, contacts: list[ChainContact], scales: _Scales) -> Call
             contact.link.along,
             contact.link.front,
             len(row) if contact.link.behind is None else contact.link.behind,
+            *(-1, 0),
         )
         for contact in contacts
     ]

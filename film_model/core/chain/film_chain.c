@@ -12,10 +12,10 @@ static const double LATE = 1e-13;
 static const double FIRST = 0.3;                            /* first step over tolerance^(2/5) */
 static const double MARGIN = 0.9, SHRINK = 0.1, GROW = 6.0; /* of the next step: as in dop853.f but for the cut */
 
-size_t film_chain_size(int32_t bodies, int32_t contacts) {
-    size_t n = (size_t)bodies + 1, m = (size_t)contacts;
-    return ((2 + STAGES) * (2 * m + n) + m + n + 2 * SIGNS * m) * sizeof(double) +
-           m * (sizeof(film_state) + 3 * sizeof(film_approach)) + (2 * m + n) * sizeof(film_span) +
+size_t film_chain_size(int32_t bodies, int32_t contacts, int32_t modes) {
+    size_t n = (size_t)bodies + 1, m = (size_t)contacts, size = 2 * m + n + (modes ? 2 * (size_t)modes + 1 : 0);
+    return ((2 + STAGES) * size + m + n + 2 * SIGNS * m + (size_t)modes) * sizeof(double) +
+           m * (sizeof(film_state) + 3 * sizeof(film_approach)) + size * sizeof(film_span) +
            (m + n) * (sizeof(int32_t) + 1) + SIGNS * m;
 }
 
@@ -52,18 +52,19 @@ static void add_spans(film_chain_now *c, const uint8_t *marked, int32_t count, i
     }
 }
 
-/* What is integrated: the contacts that touch, those that share a body with them, and the bodies of all these. Returns the
- * longest free motion of the others. */
+/* What is integrated: the contacts that touch or are on the structure, those that share a body with them, and the bodies of all
+ * these. Returns the longest free motion of the others. */
 static double choose_active(film_chain_now *c) {
     double free_time = INFINITY;
     memset(c->moves, 0, (size_t)c->n + 1);
     for (int32_t k = 0; k < c->m; k++)
-        if (film_touching(c, k)) c->moves[c->of->contact[k].front] = c->moves[c->of->contact[k].behind] = 1;
+        if (film_touching(c, k) || c->of->contact[k].point >= 0)
+            c->moves[c->of->contact[k].front] = c->moves[c->of->contact[k].behind] = 1;
     c->moves[c->n] = 0;
     c->actives = c->movers = c->spans = 0;
     for (int32_t k = 0; k < c->m; k++) {
         const film_chain_contact *at = &c->of->contact[k];
-        uint8_t active = c->moves[at->front] | c->moves[at->behind];
+        uint8_t active = c->moves[at->front] | c->moves[at->behind] | (at->point >= 0);
         c->known &= active == c->is_active[k];
         c->is_active[k] = active;
         if (active) c->active[c->actives++] = k;
@@ -76,6 +77,7 @@ static double choose_active(film_chain_now *c) {
     add_spans(c, c->is_active, c->m, 0);
     add_spans(c, c->is_active, c->m, c->m);
     add_spans(c, c->moves, c->n, 2 * c->m);
+    if (c->of->modes) c->span[c->spans++] = (film_span){2 * c->m + c->n + 1, 2 * c->of->modes + 1};
     return free_time;
 }
 
@@ -95,13 +97,21 @@ static void write_sample(const film_chain_now *c, double *row) {
     memcpy(row + m, film_velocities(c, c->trial), n * sizeof(double));
     for (int32_t k = 0; k < c->m; k++)
         row[c->m + c->n + k] = film_chain_force(c, c->trial, k);
+    if (c->of->modes == 0) return;
+    double *q = film_vibrations(c, c->trial), *slope = c->slope + (STAGES - 1) * c->size, *moved = row + 2 * m + n;
+    film_chain_slopes(c, c->trial, slope);
+    for (int32_t p = 0; p < c->of->points; p++, moved += 3) {
+        moved[0] = film_at_point(c, p, q);
+        moved[1] = film_at_point(c, p, q + c->of->modes);
+        moved[2] = film_at_point(c, p, film_vibrations(c, slope) + c->of->modes);
+    }
 }
 
 /* Samples up to h from now, each at the end of a step of its own; returns how many are done. */
 static int64_t sample(const film_chain_now *c, double h, int64_t done, int64_t count, const double *times, double *samples) {
     for (; done < count && times[done] <= c->time + h; done++) {
         film_chain_step(c, times[done] - c->time);
-        write_sample(c, samples + (2 * c->m + c->n) * done);
+        write_sample(c, samples + (2 * c->m + c->n + 3 * c->of->points) * done);
     }
     return done;
 }
@@ -139,11 +149,11 @@ static int advance(film_chain_now *c, double *h, double free_time, int64_t *done
 
 static void divide_memory(film_chain_now *c, void *memory) {
     int32_t n = c->n + 1, m = c->m;
-    memset(memory, 0, film_chain_size(c->n, m));
+    memset(memory, 0, film_chain_size(c->n, m, c->of->modes));
     c->y = memory, c->trial = c->y + c->size, c->slope = c->trial + c->size;
     c->force = c->slope + STAGES * c->size, c->push = c->force + m;
-    c->sign = c->push + n, c->sign_now = c->sign + SIGNS * m;
-    c->now = (film_approach *)(void *)(c->sign_now + SIGNS * m), c->low = c->now + m, c->high = c->low + m;
+    c->sign = c->push + n, c->sign_now = c->sign + SIGNS * m, c->reach = c->sign_now + SIGNS * m;
+    c->now = (film_approach *)(void *)(c->reach + c->of->modes), c->low = c->now + m, c->high = c->low + m;
     c->state = (film_state *)(void *)(c->high + m);
     c->span = (film_span *)(void *)(c->state + m);
     c->active = (int32_t *)(void *)(c->span + c->size), c->mover = c->active + m;
@@ -153,7 +163,7 @@ static void divide_memory(film_chain_now *c, void *memory) {
 
 static int begin(film_chain_now *c, void *memory, film_chain_summary *result) {
     const film_chain *of = c->of;
-    c->n = of->bodies, c->m = of->contacts, c->size = 2 * c->m + c->n + 1;
+    c->n = of->bodies, c->m = of->contacts, c->size = 2 * c->m + c->n + 1 + (of->modes ? 2 * of->modes + 1 : 0);
     divide_memory(c, memory);
     c->result = result;
     memcpy(film_velocities(c, c->y), of->velocity, (size_t)c->n * sizeof(double));
@@ -164,12 +174,25 @@ static int begin(film_chain_now *c, void *memory, film_chain_summary *result) {
         int status = film_init(of->contact[k].curve, &c->state[k], fmin(-of->contact[k].gap, 0.0), 0.0, 0.0, 0.0, -1e300);
         if (status == FILM_OK) status = film_damp(&c->state[k], of->contact[k].damping);
         if (status != FILM_OK) return status;
+        if (of->contact[k].point < 0) continue;
+        const double *shape = of->shapes + (size_t)of->contact[k].point * (size_t)of->modes;
+        for (int32_t j = 0; j < of->modes; j++) c->reach[j] = greater(c->reach[j], fabs(shape[j]));
     }
     return FILM_OK;
 }
 
+/* Energy of the vibrations, and what their damping has taken. */
+static void write_energies(const film_chain_now *c, double structure[2]) {
+    int32_t n = c->of->modes;
+    const double *q = film_vibrations(c, c->y);
+    structure[0] = structure[1] = 0.0;
+    for (int32_t j = 0; j < n; j++) structure[0] += 0.5 * (q[n + j] * q[n + j] + c->of->square[j] * q[j] * q[j]);
+    if (n) structure[1] = q[2 * n];
+}
+
 int film_chain_run(const film_chain *of, double *time, double *indentation, double *velocity, film_chain_summary *contact,
-                   int64_t count, const double *times, double *samples, int32_t *steps, int32_t *failed, void *memory) {
+                   double structure[2], int64_t count, const double *times, double *samples, int32_t *steps, int32_t *failed,
+                   void *memory) {
     film_chain_now c = {.of = of};
     double h = FIRST * pow(of->tolerance, 0.4);
     int64_t done = 0;
@@ -184,6 +207,7 @@ int film_chain_run(const film_chain *of, double *time, double *indentation, doub
         else status = advance(&c, &h, free_time, &done, count, times, samples, failed);
     }
     *time = c.time;
+    write_energies(&c, structure);
     memcpy(indentation, c.y, (size_t)c.m * sizeof(double));
     memcpy(velocity, film_velocities(&c, c.y), (size_t)c.n * sizeof(double));
     for (int32_t k = 0; k < c.m; k++) contact[k].work = c.y[c.m + k], contact[k].touching = film_touching(&c, k);

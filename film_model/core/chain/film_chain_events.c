@@ -1,6 +1,7 @@
 /* What happens at the contacts of a chain of bodies, and when. docs/method.md, section 16. */
 #include "chain/film_chain_parts.h"
 
+#include "chain/film_dop853.h"
 #include "curve/film_law.h"
 
 #include <string.h>
@@ -11,11 +12,6 @@ static const double AIM = -1e-13, LATEST = -4e-13; /* sign that a step to an eve
 static const double STILL = 1e-2;   /* part of the tolerance: a rate inwards of a contact that is let go */
 static const double BEGIN = 0.3;    /* first step of a contact over (tolerance/rate^1.5)^(2/5): Hertz's force is (rate t)^1.5 */
 static const double COUNTED = 10.0; /* rate over the tolerance from which a contact that begins again is counted */
-
-/* Acceleration of a body that is integrated. */
-static double acceleration(const film_chain_now *c, int32_t body) {
-    return body < c->n ? c->of->fall[body] + c->push[body] / c->of->mass[body] : 0.0;
-}
 
 /* Signs of contact k in this motion of its own: what happens where one falls below 0. */
 static void signs_of(const film_chain_now *c, int32_t k, const film_approach *now, double sign[SIGNS]) {
@@ -32,17 +28,16 @@ static void signs_of(const film_chain_now *c, int32_t k, const film_approach *no
     sign[PEAK] = force.by_xi * s->nu / at->length + force.by_nu * now->change;
 }
 
-static film_approach approach_of(const film_chain_now *c, const double *y, int32_t k) {
-    const film_chain_contact *at = &c->of->contact[k];
-    double change = at->along * acceleration(c, at->front) - acceleration(c, at->behind);
-    return (film_approach){y[k], film_rate(c, y, k), change};
+static film_approach approach_of(const film_chain_now *c, const double *y, const double *slope, int32_t k) {
+    return (film_approach){y[k], slope[k], film_rate(c, slope, k)};
 }
 
 void film_chain_signs(const film_chain_now *c, const double *y, double *signs) {
-    film_chain_forces(c, y);
+    double *slope = c->slope + (STAGES - 1) * c->size; /* the stage that the next step takes last */
+    film_chain_slopes(c, y, slope);
     for (int32_t i = 0; i < c->actives; i++) {
         int32_t k = c->active[i];
-        c->now[k] = approach_of(c, y, k);
+        c->now[k] = approach_of(c, y, slope, k);
         signs_of(c, k, &c->now[k], signs + SIGNS * k);
     }
 }
@@ -117,9 +112,7 @@ double film_chain_event(const film_chain_now *c, double h) {
     memset(c->watch, 0, (size_t)(SIGNS * c->m));
     for (int32_t i = 0; i < c->actives; i++) { /* the forces are those of c->y */
         int32_t k = c->active[i];
-        const film_chain_contact *at = &c->of->contact[k];
-        const double *v = film_velocities(c, c->slope);
-        c->low[k] = (film_approach){c->y[k], c->slope[k], at->along * v[at->front] - v[at->behind]};
+        c->low[k] = approach_of(c, c->y, c->slope, k);
     }
     film_chain_signs(c, c->trial, c->sign_now);
     if (watched(c) >= LATEST) return h;
@@ -166,6 +159,7 @@ static void let_go(film_chain_now *c, int32_t k) {
     film_state *s = &c->state[k];
     const film_chain_contact *at = &c->of->contact[k];
     double left = c->y[k] / at->length - s->xi_free, f, work;
+    if (at->point >= 0) return; /* a structure in motion parts them */
     if (at->curve->pull > 0.0 || !(left > 0.0 && fabs(s->nu) < c->of->tolerance * (s->direction < 0 ? 1.0 : STILL))) return;
     law_at(at->curve, &s->line, c->y[k] / at->length, &f, &work);
     if (f * at->force * left * at->length > c->of->tolerance * c->of->tolerance * c->of->mass[at->front]) return;

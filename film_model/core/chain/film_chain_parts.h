@@ -15,13 +15,14 @@ typedef struct {
     double way, rate, change;
 } film_approach;
 
-/* The motion is a row of numbers: indentations, works, velocities and the 0 of the support's. */
+/* The motion is a row of numbers: indentations, works, velocities and the 0 of the support's; then q, q' and the energy that
+ * damping has taken. */
 typedef struct {
     const film_chain *of;
     int32_t n, m, size;             /* bodies, contacts, numbers of the motion */
     int32_t actives, movers, spans; /* what is integrated: contacts, their bodies, and the same as spans of the motion */
     int known;                      /* 1: `sign`, `force` and `push` are those of y and of what is integrated */
-    double *y, *trial, *slope, *force, *push, *sign, *sign_now, time;
+    double *y, *trial, *slope, *force, *push, *sign, *sign_now, *reach, time; /* reach: largest |shape| of each mode at a contact */
     int32_t *active, *mover;
     film_approach *now, *low, *high; /* for film_chain_event: in `trial`, and at both ends of an interval */
     uint8_t *is_active, *moves, *watch;
@@ -38,17 +39,32 @@ static inline int film_touching(const film_chain_now *c, int32_t k) { return c->
 static inline double greater(double a, double b) { return a > b ? a : b; }
 static inline double lesser(double a, double b) { return a < b ? a : b; }
 
-/* d_k' of a motion. */
+/* The vibrations in a motion: q, q' and what damping has taken. */
+static inline double *film_vibrations(const film_chain_now *c, double *y) { return film_velocities(c, y) + c->n + 1; }
+
+/* Sum over the modes of their shapes at a point times a row of numbers, in four parts, which processors add at once. */
+static inline double film_at_point(const film_chain_now *c, int32_t point, const double *row) {
+    int32_t modes = c->of->modes, j = 0;
+    const double *shape = c->of->shapes + (size_t)point * (size_t)modes;
+    double part[4] = {0.0, 0.0, 0.0, 0.0};
+    for (; j + 4 <= modes; j += 4)
+        for (int i = 0; i < 4; i++) part[i] += shape[j + i] * row[j + i];
+    for (; j < modes; j++) part[0] += shape[j] * row[j];
+    return (part[0] + part[1]) + (part[2] + part[3]);
+}
+
+/* d_k' of a motion; of its slope, d_k''. */
 static inline double film_rate(const film_chain_now *c, const double *y, int32_t k) {
     const film_chain_contact *at = &c->of->contact[k];
     const double *v = y + 2 * c->m;
-    return at->along * v[at->front] - v[at->behind];
+    double rate = at->along * v[at->front] - v[at->behind];
+    return at->point < 0 ? rate : rate - at->side * film_at_point(c, at->point, v + c->n + 1 + c->of->modes);
 }
 
 /* The same of accelerations by weight: of a contact that is open. */
 static inline double film_falling(const film_chain_now *c, int32_t k) {
     const film_chain_contact *at = &c->of->contact[k];
-    return at->along * c->of->fall[at->front] - (at->behind < c->n ? c->of->fall[at->behind] : 0.0);
+    return (at->front < c->n ? at->along * c->of->fall[at->front] : 0.0) - (at->behind < c->n ? c->of->fall[at->behind] : 0.0);
 }
 
 /* film_chain_step.c */

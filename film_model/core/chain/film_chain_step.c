@@ -24,6 +24,27 @@ void film_chain_forces(const film_chain_now *c, const double *y) {
     }
 }
 
+/* Slopes of the vibrations under the forces. */
+static void vibrate(const film_chain_now *c, const double *q, double *to) {
+    const film_chain *of = c->of;
+    int32_t n = of->modes;
+    double lost[4] = {0.0, 0.0, 0.0, 0.0};
+    for (int32_t j = 0; j < n; j++) {
+        double rate = q[n + j], drag = of->drag[j] * rate;
+        to[j] = rate;
+        to[n + j] = -(drag + of->square[j] * q[j]);
+        lost[j % 4] += drag * rate;
+    }
+    for (int32_t i = 0; i < c->actives; i++) {
+        const film_chain_contact *at = &of->contact[c->active[i]];
+        double push = at->side * c->force[c->active[i]];
+        if (at->point < 0 || push == 0.0) continue;
+        const double *shape = of->shapes + (size_t)at->point * (size_t)n;
+        for (int32_t j = 0; j < n; j++) to[n + j] += push * shape[j];
+    }
+    to[2 * n] = (lost[0] + lost[1]) + (lost[2] + lost[3]);
+}
+
 void film_chain_slopes(const film_chain_now *c, const double *y, double *to) {
     film_chain_forces(c, y);
     for (int32_t i = 0; i < c->actives; i++) {
@@ -36,6 +57,7 @@ void film_chain_slopes(const film_chain_now *c, const double *y, double *to) {
         int32_t b = c->mover[i];
         v[b] = c->of->fall[b] + c->push[b] / c->of->mass[b];
     }
+    if (c->of->modes) vibrate(c, y + 2 * c->m + c->n + 1, film_vibrations(c, to));
 }
 
 /* to = y + h (weights of a row) times the slopes. */
@@ -90,6 +112,8 @@ double film_chain_error(const film_chain_now *c, double h) {
         estimate(c, c->active[i], at->length * at->depth, largest, &sum);
     }
     for (int32_t i = 0; i < c->movers; i++) estimate(c, 2 * c->m + c->mover[i], 1.0, largest, &sum);
+    for (int32_t j = 0; j < c->of->modes; j++)
+        if (c->reach[j] > 0.0) estimate(c, 2 * c->m + c->n + 1 + c->of->modes + j, 1.0 / c->reach[j], largest, &sum);
     if (!isfinite(sum)) return INFINITY;
     double fifth = largest[0], third = largest[1];
     return fifth == 0.0 ? 0.0 : fabs(h) * fifth * fifth / sqrt(fifth * fifth + 0.01 * third * third) / c->of->tolerance;

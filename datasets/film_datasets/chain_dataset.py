@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from film_datasets.provenance import PROGRAM, as_lines, dataset_of, text_and_hash
 from film_datasets.schema import CHAIN
 from film_model.scene.chain import Chain
 from film_model.solve.chain_motion import ChainMotion
+from film_model.solve.sensed import IN_CONTACT
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -26,11 +28,13 @@ def chain_dataset(motion: ChainMotion, samples: int, command: str) -> xr.Dataset
             "t": t,
             "body": np.arange(1, len(motion.values["body_mass"]) + 1),
             "contact": np.arange(1, len(links) + 1),
-            "contact_front": [link.front + 1 for link in links],
-            "contact_behind": [0 if link.behind is None else link.behind + 1 for link in links],
+            **{
+                f"contact_{name}": [0 if end is None else end + 1 for end in ends]
+                for name, ends in zip(("front", "behind"), zip(*(link[:2] for link in links), strict=True), strict=True)
+            },
         },
         **{**motion.values, "contact_law": np.array(motion.laws), "contact_count": np.array(motion.counts)},
-        **motion.sample_si(t),
+        **_sampled(motion, t),
     }
     bodies, contacts = len(values["body"]), len(links)
     about = {
@@ -47,6 +51,20 @@ def chain_dataset(motion: ChainMotion, samples: int, command: str) -> xr.Dataset
     return dataset_of(CHAIN, values, about, own)
 
 
+def _sampled(motion: ChainMotion, t: NDArray[np.float64]) -> dict[str, Any]:
+    """The motion at times, s, and the largest motions of sensors."""
+    if (target := motion.chain.target) is None or not target.sensors:
+        return motion.sample_si(t)
+    every = np.union1d(t, np.linspace(*motion.span, IN_CONTACT))
+    found = motion.sample_si(every)
+    known = [name.removeprefix("sensor_") for name in found if name.startswith("sensor_")]
+    return {
+        "sensor": [sensor.name for sensor in target.sensors],
+        **{name: values[:, np.searchsorted(every, t)] for name, values in found.items()},
+        **{f"sensor_maximum_{name}": np.abs(found[f"sensor_{name}"]).max(axis=1) for name in known},
+    }
+
+
 def chain_in(ds: xr.Dataset) -> Chain:
     """The chain that a dataset of kind impact_chain is of."""
-    return Chain.from_text(str(ds.attrs["scene_toml"]), "scene_toml")
+    return Chain.from_text(str(ds.attrs["scene_toml"]), "scene_toml", None)

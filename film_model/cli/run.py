@@ -200,6 +200,7 @@ def _chain_text(motion: ChainMotion, verbose: bool) -> str:
             lines.insert(-most_rows // 2, f"  ... {len(rows) - most_rows} more")
     parts = {"before": energy.kinetic_before, "after": energy.kinetic_after, "absorbed": energy.absorbed}
     parts |= {"of weight": energy.weight} if motion.chain.gravity else {}
+    parts |= {"of vibrations": energy.vibrations} if motion.chain.vibrates else {}
     lines += ["", "  energy  " + ", ".join(f"{name} {_cell(value, 'energy', whole)}" for name, value in parts.items())]
     within = f"balance of energy within {max(abs(energy.error) / whole, 1e-12):.0e}"
     lines.append(f"  {within}; estimated relative error ≤ {motion.estimated:.1e}")

@@ -17,6 +17,8 @@ from film_model.core.headers import Header
 Array = NDArray[np.float64]
 
 MOST_STEPS = 500_000
+MOST_WORK = 100_000_000  # steps times vibrations, half a minute
+OTHERS = 200
 CHAIN = Header("chain/film_chain.h", native.CORE)
 
 
@@ -67,6 +69,12 @@ class Run:
     structure: Array
     samples: Array
     failed: int
+    modes: int
+
+    @property
+    def work(self) -> int:
+        """Steps times vibrations; the bodies take as long as `OTHERS` of these."""
+        return self.steps * (self.modes + OTHERS)
 
 
 @lru_cache(maxsize=1)
@@ -98,7 +106,7 @@ def run(
     mass, velocity, fall, times = (np.ascontiguousarray(row, dtype=np.float64) for row in (mass, velocity, fall, times))
     chain = Chain(
         *(n, m, mass.ctypes.data, velocity.ctypes.data, fall.ctypes.data, c.addressof(given)),
-        *(limit, tolerance, MOST_STEPS, vibrations.square.size, points, 0),
+        *(limit, tolerance, min(MOST_STEPS, MOST_WORK // (vibrations.square.size + OTHERS)), vibrations.square.size, points, 0),
         *(row.ctypes.data for row in vibrations),
     )
     time, steps, failed = c.c_double(), c.c_int32(), c.c_int32(-1)
@@ -110,4 +118,4 @@ def run(
         *(times.size, times.ctypes.data, samples.ctypes.data),
         *(c.byref(steps), c.byref(failed), memory.ctypes.data),
     )
-    return Run(status, time.value, steps.value, indentation, speeds, found, structure, samples, failed.value)
+    return Run(status, time.value, steps.value, indentation, speeds, found, structure, samples, failed.value, vibrations.square.size)

@@ -41,7 +41,7 @@ def _draw(figure: Figure, motion: ChainMotion) -> None:
             figure.colorbar(drawn, ax=panel, label=label)
             panel.set_ylabel(what)
             for link in motion.chain.links:
-                if link.behind not in (None, link.front + 1):  # a branch begins; its contact has the number before
+                if link.behind not in (None, link.body + 1):  # a branch begins; its contact has the number before
                     panel.axhline(link.behind + (0.5 if what == "body" else -0.5), color="white", linewidth=1.0)
             continue
         for number, row, colour in zip(names, rows, cycle(COLOURS), strict=False):

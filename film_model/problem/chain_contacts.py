@@ -32,10 +32,10 @@ def speed_of(chain: Chain) -> float:
     velocity, directions = [body.velocity for body in chain.row], chain.directions
     fastest = fall = 0.0
     for link in chain.links:
-        after = 0.0 if link.behind is None else velocity[link.behind]
-        fastest = max(fastest, link.along * velocity[link.front] - after)
+        before, after = (0.0 if end is None else velocity[end] for end in link[:2])
+        fastest = max(fastest, link.along * before - after)
         if chain.gravity and link.behind is None:
-            fall = max(fall, 2.0 * STANDARD_GRAVITY * math.cos(directions[link.front]) * link.gap)
+            fall = max(fall, 2.0 * STANDARD_GRAVITY * math.cos(directions[link.body]) * link.gap)
     if fastest == fall == 0.0:
         raise SimulationError("no body of the chain approaches the next one: give a velocity, or gravity and a gap")
     return math.sqrt(fastest**2 + fall)
@@ -48,7 +48,12 @@ def contacts_of(chain: Chain) -> list[ChainContact]:
     for scene in scenes:
         if id(scene) not in made:
             made[id(scene)] = _law_in(scene, speed)
-    return [ChainContact(scene, *made[id(scene)], link) for scene, link in zip(scenes, chain.links, strict=True)]
+    found = [ChainContact(scene, *made[id(scene)], link) for scene, link in zip(scenes, chain.links, strict=True)]
+    for contact in found:
+        if contact.damping and chain.row[contact.link.body].fixed:
+            name = contact.law.name
+            raise SimulationError(f'the damping of contact law "{name}" depends on a mass, and a fixed body has none')
+    return found
 
 
 def _law_in(scene: Scene, speed: float) -> tuple[AbstractLaw, Curve, float, float, float, float]:

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from typing import Any, ClassVar, cast
 
 from film_model.base.errors import raise_all, shown
-from film_model.base.fields import Field, InUnits, entry, fill_ball, measure, whole, words
+from film_model.base.fields import Field, InUnits, choice, entry, fill_ball, measure, whole, words
 from film_model.base.materials import MASS, MATERIAL, Material, MaterialLike, sphere_mass
 from film_model.base.units import Value
 from film_model.scene.contact import Contact, contact_table
@@ -39,6 +39,10 @@ class ChainBody(InUnits):
     the one before it. angle: between the line along which it moves and the line of that body, rad, at most 89.95° to
     either side; default 0. front_gap: to that body, m, in place of that body's gap. With a count, a name is that of the
     last, and the others are of the first.
+
+    On a target that vibrates: at: name of the sensor where the body touches it; default the target's position. The next
+    section then begins another row. behind: "target" of a body that it pushes, which touches it at `at`, too, at the
+    distance front_gap. fixed: true of a stop, which does not move and needs no mass.
     """
 
     is_ball: ClassVar[bool] = True
@@ -53,6 +57,8 @@ class ChainBody(InUnits):
     behind: str = entry(words("the name of a body"))
     angle: float | None = entry(measure("angle", -STEEPEST, STEEPEST))
     front_gap: float | None = entry(GAP)
+    at: str = entry(words("the name of a sensor"))
+    fixed: bool | None = entry(replace(choice(True, False), required=False))
 
     def __init__(
         self,
@@ -68,6 +74,8 @@ class ChainBody(InUnits):
         behind: str = "",
         angle: Value | None = None,
         front_gap: Value | None = None,
+        at: str = "",
+        fixed: bool | None = None,
     ) -> None:
         raise_all(fill_ball(self, locals()))
 

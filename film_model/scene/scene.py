@@ -370,6 +370,15 @@ class Scene:
 def scene_of(table: dict[str, Any], text: str, name: str, folder: str | None) -> Scene:
     """The scene in the table of a text. name: of its file, in messages. folder: of relative paths; None: no paths."""
     refuse_others(table, text, name)
+    find_files(table, text, name, folder)
+    try:
+        return Scene.from_table(table)
+    except SceneError as error:
+        raise placed(error.mistakes, text, name) from None
+
+
+def find_files(table: dict[str, Any], text: str, name: str, folder: str | None) -> None:
+    """Put the folder before the relative paths in a table; None: refuse them."""
     for key in WITH_FILES:
         section = table.get(key)
         if isinstance(section, dict) and "file" in section:
@@ -377,10 +386,6 @@ def scene_of(table: dict[str, Any], text: str, name: str, folder: str | None) ->
                 raise placed([Mistake(None, None, f"{key}.file", NO_FILES)], text, name)
             if isinstance(section["file"], str):
                 section["file"] = os.path.join(folder, section["file"])
-    try:
-        return Scene.from_table(table)
-    except SceneError as error:
-        raise placed(error.mistakes, text, name) from None
 
 
 def _class_names(kind: type) -> str:

@@ -17,7 +17,7 @@ def parts_of(table: Mapping[str, Any]) -> tuple[dict[str, Any], list[Mistake]]:
     """The parts of a scene from its sections, and their mistakes."""
     makers: dict[str, Callable[[dict[str, Any]], Any]] = {
         "impactor": lambda section: build(Sphere, section),
-        "target": _target,
+        "target": target_of,
         "contact": lambda section: Contact(**section),
         "effects": lambda section: build(Effects, section),
         "solver": lambda section: build(Solver, section),
@@ -40,7 +40,8 @@ def parts_of(table: Mapping[str, Any]) -> tuple[dict[str, Any], list[Mistake]]:
     return parts, mistakes
 
 
-def _target(section: dict[str, Any]) -> AbstractTarget:
+def target_of(section: dict[str, Any]) -> AbstractTarget:
+    """The target of a section."""
     kind = section.pop("kind", None)
     if isinstance(kind, str) and kind in TARGETS:
         return build(TARGETS[kind], section)

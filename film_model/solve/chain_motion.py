@@ -21,6 +21,9 @@ from film_model.laws.yielding import yield_point
 from film_model.problem.chain_contacts import ChainContact, contacts_of, speed_of
 from film_model.scene import STANDARD_GRAVITY
 from film_model.scene.chain import Chain
+from film_model.solve.chain_places import displacements
+from film_model.solve.chain_vibrations import Followed, Structure, first_frequency, refined
+from film_model.solve.sensed import quantities_of, split_rows
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -53,13 +56,15 @@ CONTACTS: dict[str, tuple[str, str]] = {
 
 
 class EnergyBalance(NamedTuple):
-    """Energies, J. weight: work of gravity. absorbed: by all contacts; while they touch, also what they store. error:
-    kinetic energy before + weight - absorbed - kinetic energy after, which is 0 but for the error of the solution."""
+    """Energies, J. weight: work of gravity. absorbed: by all contacts; while they touch, also what they store.
+    vibrations: of the target, with what their damping has taken. error: kinetic energy before + weight - absorbed -
+    vibrations - kinetic energy after, which is 0 but for the error of the solution."""
 
     kinetic_before: float
     kinetic_after: float
     weight: float
     absorbed: float
+    vibrations: float
     error: float
 
 
@@ -69,7 +74,8 @@ class ChainMotion:
 
     laws: names, of each contact. end: time at which the simulation ends, s. values: the values of `BODIES` and
     `CONTACTS`, SI arrays, nan where one does not exist; as attributes of the same names they have units. counts: how
-    often each contact began. estimated: relative error of final velocities and largest forces, from a second run.
+    often each contact began. estimated: relative error of final velocities and largest forces, from other runs.
+    followed: up to which frequency the target's vibrations were followed, and with which tolerance of a step.
 
     >>> ball = {"radius": "10 mm", "material": "bearing steel"}
     >>> motion = fm.simulate_chain(fm.Chain([{**ball, "velocity": "0.5 m/s"}, {**ball, "count": 2}], "hertz"))
@@ -86,6 +92,7 @@ class ChainMotion:
     energy: EnergyBalance
     estimated: float
     warnings: tuple[str, ...]
+    followed: Followed
 
     if TYPE_CHECKING:
 
@@ -113,35 +120,42 @@ class ChainMotion:
 
     def sample_si(self, times: Any) -> dict[str, Array]:
         """Motion at ascending times [s], SI: displacement and velocity (bodies, times), indentation and contact_force
-        (contacts, times). It is computed anew, as exactly as the results. Times after the end are allowed where bodies
-        then fly on for ever: without weight, and if the duration is not what ended the motion.
+        (contacts, times); if the target has sensors, sensor_displacement, sensor_velocity and so on (sensors, times).
+        It is computed anew, as exactly as the results. Times after the end are allowed where bodies then fly on for
+        ever: without weight, and if the duration is not what ended the motion.
         """
         at = np.atleast_1d(np.asarray(times, np.float64))
         last = math.inf if self.outcome == ENDED and not self.chain.gravity else self.end
         if not (at[0] >= 0.0 and at[-1] <= last and (np.diff(at) >= 0.0).all()):
             raise ValueError(f"times: must ascend from 0 s to the end, {last:g} s")
         contacts = contacts_of(self.chain)
-        scales, count = _Scales.of(self.chain, contacts), len(contacts)
-        samples = _runner(self.chain, contacts, scales)(FINEST, at / scales.time).samples.T
-        indentation = samples[:count] * scales.length
-        return {
-            "displacement": _displacements(self.chain, indentation, at),
-            "velocity": samples[count:-count] * scales.velocity,
+        scales, bodies, count = _Scales.of(self.chain, contacts), len(self.chain.row), len(contacts)
+        samples = _runner(self.chain, contacts, scales)(self.followed, at / scales.time).samples.T
+        indentation, structure = samples[:count] * scales.length, Structure.of(self.chain)
+        moved = samples[2 * count + bodies :].reshape(-1, 3, at.size).swapaxes(0, 1) * scales.length
+        rates = np.array([1.0, 1.0 / scales.time, 1.0 / scales.time**2])[:, None, None]
+        found = {
+            "displacement": displacements(self.chain, indentation, at, structure.at_links(self.chain, moved[0])),
+            "velocity": samples[count : count + bodies] * scales.velocity,
             "indentation": indentation,
-            "contact_force": samples[-count:] * scales.force,
+            "contact_force": samples[count + bodies : 2 * count + bodies] * scales.force,
         }
+        if structure.target is not None and structure.target.sensors:
+            known = split_rows(structure.target, rates * moved[:, len(structure.points) :])
+            found |= {f"sensor_{name}": value for name, value in zip(quantities_of(structure.target), known, strict=True)}
+        return found
 
     def rows(self, names: Iterable[str]) -> list[dict[str, Any]]:
         """The values of these names, SI, a row for each body or contact; None where one does not exist."""
-        columns = ([None if math.isnan(value) else value for value in self.values[name].tolist()] for name in names)
+        columns = ([value if math.isfinite(value) else None for value in self.values[name].tolist()] for name in names)
         return [dict(zip(names, row, strict=True)) for row in zip(*columns, strict=True)]
 
     def to_dict(self) -> dict[str, Any]:
         """Plain values for JSON, SI: title, laws, outcome, end, bodies and contacts, energy, accuracy and warnings."""
         rows = {key: self.rows(names) for key, names in (("bodies", BODIES), ("contacts", CONTACTS))}
         for row, link, law, count in zip(rows["contacts"], self.chain.links, self.laws, self.counts, strict=True):
-            row |= {"law": law, "count": count, "front": link.front + 1}
-            row["behind"] = None if link.behind is None else link.behind + 1
+            front, behind = (None if end is None else end + 1 for end in link[:2])
+            row |= {"law": law, "count": count, "front": front, "behind": behind}
         return {
             "title": self.chain.title,
             "outcome": self.outcome,
@@ -178,7 +192,7 @@ class _Scales(NamedTuple):
 
     @classmethod
     def of(cls, chain: Chain, contacts: list[ChainContact]) -> _Scales:
-        mass = max(body.own_mass or 0.0 for body in chain.bodies)
+        mass = max(body.own_mass or 0.0 for body in chain.bodies if not body.fixed)
         return cls(mass, max(contact.length * contact.depth for contact in contacts), speed_of(chain))
 
 
@@ -187,8 +201,9 @@ def simulate_chain(chain: Chain) -> ChainMotion:
 
     The equations of motion are integrated by DOP853 (order 8) with a step that ends where a contact begins, turns,
     changes its stage or ends. `accuracy` is met by comparison with a run of a coarser tolerance. Momentum is kept to
-    rounding, and the energy of elastic chains to 1e-12. Effects that `simulate` decides (waves, rate hardening,
-    vibrations of the half-space, viscosity) are not simulated. Bodies are spheres, each of which moves along its line,
+    rounding, and the energy of elastic chains to 1e-12. For a target that vibrates, the highest frequency is doubled until
+    runs agree. Effects that `simulate` decides (waves, rate hardening, vibrations of the half-space, viscosity) are not
+    simulated. Bodies are spheres, each of which moves along its line,
     as in a frictionless guide: of the force at a bend the body in front takes the part along its own line, and its
     guide the rest. Ways while bodies touch are short beside their radii.
 
@@ -214,10 +229,17 @@ def simulate_chain_quietly(chain: Chain) -> ChainMotion:
     contacts = contacts_of(chain)
     scales = _Scales.of(chain, contacts)
     run = _runner(chain, contacts, scales)
-    fine, tolerance = run(FINEST), max(chain.accuracy * 0.01, FINEST * 10.0)
-    _raise_failure(chain, fine, contacts, scales)
-    while (estimated := _difference(run(tolerance), fine)) > chain.accuracy and tolerance > FINEST * 10.0:
-        tolerance = max(tolerance * 1e-3, FINEST * 10.0)
+    if chain.vibrates:
+        first, inexact = first_frequency(chain, contacts), Structure.of(chain).inexact(chain.accuracy)
+        damped = any(contact.law.damped for contact in contacts)
+        fine, followed, estimated = refined(run, _difference, chain.accuracy, first, damped, inexact)
+        _raise_failure(chain, fine, contacts, scales)
+    else:
+        followed, tolerance = Followed(0.0, FINEST), max(chain.accuracy * 0.01, FINEST * 10.0)
+        fine = run(followed)
+        _raise_failure(chain, fine, contacts, scales)
+        while (estimated := _difference(run(Followed(0.0, tolerance)), fine)) > chain.accuracy and tolerance > FINEST * 10.0:
+            tolerance = max(tolerance * 1e-3, FINEST * 10.0)
     values = _values(chain, fine, scales)
     said = _warnings(chain, contacts, values, estimated)
     end = fine.time * scales.time
@@ -234,12 +256,14 @@ def simulate_chain_quietly(chain: Chain) -> ChainMotion:
         energy=_balance(chain, fine, scales, values),
         estimated=estimated,
         warnings=said,
+        followed=followed,
     )
 
 
 def _runner(chain: Chain, contacts: list[ChainContact], scales: _Scales) -> Callable[..., chaining.Run]:
     row = chain.row
-    mass = np.array([body.own_mass for body in row]) / scales.mass
+    mass = np.array([math.inf if body.fixed else body.own_mass for body in row]) / scales.mass
+    structure = Structure.of(chain)
     velocity = np.array([body.velocity for body in row]) / scales.velocity
     given = [
         (
@@ -250,45 +274,26 @@ def _runner(chain: Chain, contacts: list[ChainContact], scales: _Scales) -> Call
             contact.damping * scales.velocity / contact.force,
             contact.link.gap / scales.length,
             contact.link.along,
-            contact.link.front,
-            len(row) if contact.link.behind is None else contact.link.behind,
-            *(-1, 0),
+            *(len(row) if end is None else end for end in contact.link[:2]),
+            *structure.place(contact.link),
         )
         for contact in contacts
     ]
     fall = _falls(chain) * scales.time / scales.velocity
     limit = math.inf if chain.duration is None else chain.duration / scales.time
 
-    def run(tolerance: float, times: Any = ()) -> chaining.Run:
-        return chaining.run(mass, velocity, fall, given, limit=limit, tolerance=tolerance, times=times)
+    def run(followed: Followed, times: Any = None) -> chaining.Run:
+        vibrations = structure.vibrations(followed, scales.mass, scales.time)
+        at = [limit] if times is None and chain.vibrates else () if times is None else times
+        return chaining.run(mass, velocity, fall, given, vibrations, limit=limit, tolerance=followed.tolerance, times=at)
 
     return run
 
 
 def _falls(chain: Chain) -> Array:
     """Acceleration of each body by its weight, m/s²."""
-    return (STANDARD_GRAVITY if chain.gravity else 0.0) * np.cos(chain.directions)
-
-
-def _displacements(chain: Chain, indentation: Array, times: Array) -> Array:
-    """Displacements from indentations [m], (contacts, times): x_b = c x_a - (d + gap) at each link. That of the first
-    body follows from the way to the target or, without one, from Σ m_b x_b Π c, which grows evenly: at a link, a loses
-    the part c of what b gains."""
-    row, links = chain.row, chain.links
-    moved = indentation + np.array([link.gap for link in links])[:, None]
-    part, behind = np.ones(len(row)), np.zeros((len(row), times.size))
-    for link, way in zip(links, moved, strict=True):
-        if link.behind is not None:
-            part[link.behind] = link.along * part[link.front]
-            behind[link.behind] = link.along * behind[link.front] + way
-    if chain.target is not None:
-        end = max(range(len(row) - 1, len(links)), key=lambda k: abs(part[links[k].front]))
-        first = (moved[end] + behind[links[end].front]) / part[links[end].front]
-    else:
-        weight = part * np.array([body.own_mass for body in row])
-        start = np.array([body.velocity for body in row])
-        first = ((weight @ start) * times + weight @ behind) / (weight @ part)
-    return part[:, None] * first - behind
+    held = [0.0 if body.fixed else 1.0 for body in chain.row]
+    return (STANDARD_GRAVITY if chain.gravity else 0.0) * np.cos(chain.directions) * held
 
 
 def _raise_failure(chain: Chain, run: chaining.Run, contacts: list[ChainContact], scales: _Scales) -> None:
@@ -314,7 +319,7 @@ def _difference(coarse: chaining.Run, fine: chaining.Run) -> float:
 def _values(chain: Chain, run: chaining.Run, scales: _Scales) -> dict[str, Array]:
     row, found = chain.row, run.contacts
     return {
-        "body_mass": np.array([body.own_mass for body in row], np.float64),
+        "body_mass": np.array([math.nan if body.fixed else body.own_mass for body in row], np.float64),
         "initial_velocity": np.array([body.velocity for body in row]),
         "final_velocity": run.velocity * scales.velocity,
         "largest_force": found["largest_force"] * scales.force,
@@ -327,14 +332,17 @@ def _values(chain: Chain, run: chaining.Run, scales: _Scales) -> dict[str, Array
 
 
 def _balance(chain: Chain, run: chaining.Run, scales: _Scales, values: dict[str, Array]) -> EnergyBalance:
-    mass = values["body_mass"]
+    mass = np.nan_to_num(values["body_mass"])
     before, after = (0.5 * float(mass @ values[f"{when}_velocity"] ** 2) for when in ("initial", "final"))
     weight = 0.0
     if chain.gravity:
-        moved = _displacements(chain, run.indentation[:, None] * scales.length, np.array([run.time * scales.time]))
+        moved = run.samples[-1:, 2 * len(chain.links) + len(chain.row) :: 3].T * scales.length
+        there, at = Structure.of(chain).at_links(chain, moved), np.array([run.time * scales.time])
+        moved = displacements(chain, run.indentation[:, None] * scales.length, at, there)
         weight = float((mass * _falls(chain)) @ moved[:, 0])
     absorbed = float(values["energy_absorbed"].sum())
-    return EnergyBalance(before, after, weight, absorbed, before + weight - absorbed - after)
+    vibrations = float(run.structure.sum()) * scales.energy
+    return EnergyBalance(before, after, weight, absorbed, vibrations, before + weight - absorbed - vibrations - after)
 
 
 def _warnings(

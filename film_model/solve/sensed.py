@@ -106,7 +106,7 @@ def sensed(problem: Problem, vibration: ModalMotion | None, times: Array, accura
     else:
         modes, force = _with_strain(target.modes(vibration.highest)), float(problem.scales.force)
         found = _follow(modes, vibration.segments, force, times)
-    return Sensed(tuple(sensor.name for sensor in target.sensors), times, *_split(target, found))
+    return Sensed(tuple(sensor.name for sensor in target.sensors), times, *split_rows(target, found))
 
 
 def replay_of(problem: Problem, on: ModalMotion, accuracy: float | None) -> Callable[[Array], Array] | None:
@@ -142,7 +142,7 @@ def _with_strain(modes: Modes) -> Modes:
     return replace(modes, factor=np.vstack([modes.factor, modes.strain])) if modes.strain.size else modes
 
 
-def _split(target: AbstractTarget, found: Array) -> Array:
+def split_rows(target: AbstractTarget, found: Array) -> Array:
     """The quantities of `quantities_of`, (quantities, sensors, times), from the motion of all rows."""
     sensors = target.sensors or ()
     moved, chosen = found[:, : len(sensors)], [k for k, sensor in enumerate(sensors) if sensor.strain]
@@ -263,7 +263,7 @@ class Peaks:
         dt = 2.0 ** math.floor(math.log2(longest))  # impacts of about equal duration share their responses
         count = math.ceil(duration / dt) + 1
         if replay is not None:
-            return np.abs(_split(self._target, replay(np.minimum(dt * np.arange(count), duration)))).max(axis=-1)
+            return np.abs(split_rows(self._target, replay(np.minimum(dt * np.arange(count), duration)))).max(axis=-1)
         size = 1 << count.bit_length()
         if (key := (dt, size)) not in self._kept:
             self._kept[key] = np.fft.rfft(responses(self._modes, dt, size), 2 * size)
@@ -272,7 +272,7 @@ class Peaks:
         moved = np.fft.irfft(np.fft.rfft(force, 2 * size) * self._kept[key], 2 * size)[..., :count]
         before, after = moved[..., count - 2], moved[..., count - 1]
         moved[..., count - 1] = before + (duration / dt - (count - 2)) * (after - before)
-        return np.abs(_split(self._target, moved)).max(axis=-1)
+        return np.abs(split_rows(self._target, moved)).max(axis=-1)
 
 
 @one_thread

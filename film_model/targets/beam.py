@@ -105,7 +105,7 @@ class Beam(AbstractTarget):
         elif self.ends:
             size, place = (None if v is None else (v,) for v in (self.length, self.position))
             mistakes += place_mistakes(self, "length", size, place, self._ends)
-        singular = (self._struck,) if not mistakes and self.wide else ()
+        singular = (self.struck,) if not mistakes and self.wide else ()
         raise_all(mistakes + sensor_mistakes(self, self.sensors, (self.length,) if self.length else None, singular))
 
     @property
@@ -134,15 +134,15 @@ class Beam(AbstractTarget):
         if self.static_stiffness is not None:
             return 1 / self.static_stiffness
         if self.wide:
-            return panel_compliance(self._strip, (self._struck, self.width / 2))
-        return line_compliance(self._line, self._struck)
+            return panel_compliance(self._strip, (self.struck, self.width / 2))
+        return line_compliance(self._line, self.struck)
 
     @property
     def compliance_error(self) -> float:
         """Bound on the error of the static deflection over force of a wide beam, m/N: of Ritz's method."""
         if self.stiffness_given or not self.wide:
             return 0.0
-        return compliance_and_error(self._strip, (self._struck, self.width / 2))[1]
+        return compliance_and_error(self._strip, (self.struck, self.width / 2))[1]
 
     @property
     def stiffness_given(self) -> bool:
@@ -171,8 +171,8 @@ class Beam(AbstractTarget):
     def _seen(self, highest: float, others: Points) -> Modes:
         """The undamped vibrations at the struck point and at other points."""
         if self.wide:
-            return panel_modes(self._strip, (self._struck, self.width / 2), highest, others)
-        return line_modes(self._line, self._struck, highest, others)
+            return panel_modes(self._strip, (self.struck, self.width / 2), highest, others)
+        return line_modes(self._line, self.struck, highest, others)
 
     @property
     def _sensed(self) -> Points:
@@ -209,7 +209,7 @@ class Beam(AbstractTarget):
         if self.sheared:
             return no_effect("Timoshenko's theory includes shear and rotary inertia")
         shear, plain = self._timoshenko, self._line_without_shear
-        soft = line_compliance(shear, self._struck) - line_compliance(plain, self._struck)
+        soft = line_compliance(shear, self.struck) - line_compliance(plain, self.struck)
         if self.wide:
             soft += shear_around(self.material, min(self.width, self.length) / (2 * math.pi), self.thickness)
         size = 0.5 * soft * impact.force**2 / impact.energy if impact.by_compliance else 0.0
@@ -226,7 +226,7 @@ class Beam(AbstractTarget):
 
     def stretching(self, impact: Impact) -> Estimate:
         """The axial force E A ε, with ε the mean of ½ w′², of a beam whose ends cannot move inwards."""
-        strain = lengthening(self._ends, self.length, self._struck)
+        strain = lengthening(self._ends, self.length, self.struck)
         membrane = self.material.youngs_modulus * self.width * self.thickness * self.length
         part = self.first_mode_share * self.whole_mass
         return stretching(impact, self.thickness, self.compliance, part, strain, membrane, in_plane=self.in_plane)
@@ -241,7 +241,7 @@ class Beam(AbstractTarget):
         """
         if self.wide:
             return no_effect("the beam is taken for a plate, which bends across its width")
-        (duration, contact), place, plain = impact.held, (self._struck, self.width / 2), self._line_without_shear
+        (duration, contact), place, plain = impact.held, (self.struck, self.width / 2), self._line_without_shear
         try:
             strip = pulse_response(
                 lambda highest: panel_modes(self._strip, place, highest), panel_compliance(self._strip, place), duration
@@ -292,7 +292,7 @@ class Beam(AbstractTarget):
         return Panel(density, stiffness, size, (*self._ends, "free", "free"))
 
     @property
-    def _struck(self) -> float:
+    def struck(self) -> float:
         if self.position is not None:
             return self.position
         if "clamped" in self._ends and "free" in self._ends:

@@ -134,7 +134,7 @@ class Plate(AbstractTarget):
         mistakes = fill_target(self, locals())
         if self.edges:
             mistakes += place_mistakes(self, "size", self.size, self.position, four(self.edges))
-            mistakes += sensor_mistakes(self, self.sensors, self.size, self._struck if self.size else ())
+            mistakes += sensor_mistakes(self, self.sensors, self.size, self.struck if self.size else ())
             mistakes += spring_mistakes(self, four(self.edge_stiffness or 0.0), four(self.edges))
         if in_plane is not None and thickness is None:
             mistakes.append(mistake(self, "in_plane", "needs thickness: the membrane stiffness is not known without"))
@@ -181,7 +181,7 @@ class Plate(AbstractTarget):
             return "the shear stiffness of a plate of layers, or of given bending_stiffness, is not known"
         if self.size is None or self.stiffness_given:
             return "it needs a plate with a size, without static_stiffness"
-        return self._thick.missing(self._struck)
+        return self._thick.missing(self.struck)
 
     @property
     def impedance(self) -> float:
@@ -211,7 +211,7 @@ class Plate(AbstractTarget):
         """
         if self.size is None:
             return math.inf
-        sides = zip(self._struck, self.size, self.stiffness[::2], strict=True)
+        sides = zip(self.struck, self.size, self.stiffness[::2], strict=True)
         times = (0.08 * lesser(x, side - x) ** 2 * root(self.surface_density / d) for x, side, d in sides)
         return reduce(lesser, times)
 
@@ -248,10 +248,10 @@ class Plate(AbstractTarget):
         if self.static_stiffness is not None or self.size is None:
             return (None if self.static_stiffness is None else 1 / self.static_stiffness), 0.0
         if self.theory == "mindlin":
-            return thick_compliance(self._thick, self._struck)
+            return thick_compliance(self._thick, self.struck)
         if self._simple and not self.foundation_stiffness:
-            return plate_compliance(self.stiffness, self.size, self._struck), 0.0
-        return compliance_and_error(self._panel, self._struck)
+            return plate_compliance(self.stiffness, self.size, self.struck), 0.0
+        return compliance_and_error(self._panel, self.struck)
 
     @property
     def modes_missing(self) -> str:
@@ -267,10 +267,10 @@ class Plate(AbstractTarget):
         assert self.size is not None
         bed = self.foundation_stiffness or 0.0
         if self.theory == "mindlin":
-            return thick_modes(self._thick, self._struck, highest, others)
+            return thick_modes(self._thick, self.struck, highest, others)
         if self._simple:
-            return plate_modes(self.surface_density, self.stiffness, self.size, self._struck, highest, bed, others)
-        return panel_modes(self._panel, self._struck, highest, others)
+            return plate_modes(self.surface_density, self.stiffness, self.size, self.struck, highest, bed, others)
+        return panel_modes(self._panel, self.struck, highest, others)
 
     @property
     def stretches(self) -> bool:
@@ -347,7 +347,7 @@ class Plate(AbstractTarget):
             return shear_of_waves(impact, material, thickness, slowness)._replace(remedy=remedy)
         if self.size is None:
             return missing("target.size")
-        reach = reach_of_edges(four(self.edges), self.size, self._struck)
+        reach = reach_of_edges(four(self.edges), self.size, self.struck)
         energy = 0.5 * shear_around(material, reach, thickness) * impact.force**2
         return shear_of_bending(impact, energy, thickness / min(self.size), remedy)
 
@@ -365,7 +365,7 @@ class Plate(AbstractTarget):
         if self.size is None:
             return no_effect("an infinite plate has no edges that hold it")
         edges, thickness, area = four(self.edges), self.whole_thickness, math.prod(self.size)
-        strain = lengthening_of_plate(edges, self.size, self._struck)
+        strain = lengthening_of_plate(edges, self.size, self.struck)
         bending, part = root(self.stiffness[0] * self.stiffness[2]), self.first_mode_share * self.surface_density * area
         membrane = 0.0 if thickness is None else 12.0 * bending / thickness**2 * area
         loose = sliding(edges, self.size)
@@ -385,6 +385,6 @@ class Plate(AbstractTarget):
         return Estimate(reason, value, None, change, indicator="(|D16| + |D26|)/√(D11 D22)")
 
     @property
-    def _struck(self) -> tuple[float, float]:
+    def struck(self) -> tuple[float, float]:
         a, b = cast("tuple[float, float]", self.size)
         return self.position or (a / 2, b / 2)

@@ -93,7 +93,7 @@ ADDED: dict[str, dict[str, tuple[str, ...]]] = {
         "1.4": FORCE_INTERVAL,
     },
     BOUNCES: {"1.0": ()},
-    CHAIN: {"1.0": ()},
+    CHAIN: {"1.0": (), "1.1": _names(f"{HISTORY} sensors", f"{HISTORY} strains")},
     COST: {"1.0": ()},
 }
 """Kinds of datasets (attribute film_model_schema): the versions that can be read, oldest first, each with the names of
@@ -149,7 +149,8 @@ def variables_of(ds: xr.Dataset) -> tuple[Variable, ...]:
     if kind == HISTORY:
         constants += tuple(v.over(()) for v in (SCENE_KEY,) if v.name in ds.variables)
     if kind in (HISTORY, BOUNCES, CHAIN, COST):
-        own = ("steps", "friction", "contacts", "sliding", "sensors", "strains") if kind == HISTORY else ()
+        own = ("steps", "friction", "contacts", "sliding") * (kind == HISTORY)
+        own += ("sensors", "strains") * (kind in (HISTORY, CHAIN))
         more = [v for word in own if has(ds, word) for v in TABLE[f"{HISTORY} {word}"]]
         return (*(v for v in (*TABLE[kind], *more) if v.name not in later), *constants)
     swept = swept_variables(str(ds.attrs.get("swept", "")).split(), ds)

@@ -4,6 +4,8 @@
 #include "chain/film_dop853.h"
 #include "curve/film_law.h"
 
+enum { NEAR_BY = 512 }; /* numbers of the motion that are combined together, and stay in the fastest memory */
+
 double film_chain_force(const film_chain_now *c, const double *y, int32_t k) {
     if (!film_touching(c, k)) return 0.0;
     const film_chain_contact *at = &c->of->contact[k];
@@ -60,19 +62,22 @@ void film_chain_slopes(const film_chain_now *c, const double *y, double *to) {
     if (c->of->modes) vibrate(c, y + 2 * c->m + c->n + 1, film_vibrations(c, to));
 }
 
-/* to = y + h (weights of a row) times the slopes. */
-static void combine(const film_chain_now *c, const film_rk_row *row, double h, double *to) {
-    for (int32_t part = 0; part < c->spans; part++) {
-        int32_t first = c->span[part].first, size = c->span[part].size;
-        const double *y = c->y + first;
-        double *out = to + first;
-        for (int32_t k = 0; k < size; k++) out[k] = y[k];
-        for (int j = 0; j < row->count; j++) {
-            const double *slope = c->slope + row->from[j] * c->size + first;
-            double weight = h * row->weight[j];
-            for (int32_t k = 0; k < size; k++) out[k] += weight * slope[k];
-        }
+/* to = y + h (weights of a row) times the slopes, of `size` numbers from `first` on. */
+static void combine_part(const film_chain_now *c, const film_rk_row *row, double h, double *to, int32_t first, int32_t size) {
+    const double *y = c->y + first;
+    double *out = to + first;
+    for (int32_t k = 0; k < size; k++) out[k] = y[k];
+    for (int j = 0; j < row->count; j++) {
+        const double *slope = c->slope + row->from[j] * c->size + first;
+        double weight = h * row->weight[j];
+        for (int32_t k = 0; k < size; k++) out[k] += weight * slope[k];
     }
+}
+
+static void combine(const film_chain_now *c, const film_rk_row *row, double h, double *to) {
+    for (int32_t part = 0; part < c->spans; part++)
+        for (int32_t done = 0, size = c->span[part].size; done < size; done += NEAR_BY)
+            combine_part(c, row, h, to, c->span[part].first + done, size - done < NEAR_BY ? size - done : NEAR_BY);
 }
 
 void film_chain_step(const film_chain_now *c, double h) {

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from film_datasets.provenance import PROGRAM, as_lines, dataset_of, text_and_hash
-from film_datasets.schema import CHAIN
+from film_datasets.schema import CHAIN, HISTORY
 from film_model.scene.chain import Chain
 from film_model.solve.chain_motion import ChainMotion
 from film_model.solve.sensed import IN_CONTACT
@@ -48,7 +48,7 @@ def chain_dataset(motion: ChainMotion, samples: int, command: str) -> xr.Dataset
         **{"outcome": motion.outcome, "end": motion.end, "estimated_accuracy": motion.estimated},
         "warnings": as_lines(motion.warnings),
     }
-    return dataset_of(CHAIN, values, about, own)
+    return dataset_of(CHAIN, values, about, own, parts=(f"{HISTORY} sensors", f"{HISTORY} strains"))
 
 
 def _sampled(motion: ChainMotion, t: NDArray[np.float64]) -> dict[str, Any]:

@@ -67,14 +67,16 @@ def dataset_of(
     table: str = "",
     meanings: Mapping[str, Any] | None = None,
     coordinates: Iterable[str] = (),
+    parts: Iterable[str] = (),
 ) -> xr.Dataset:
-    """A dataset of `kind` with those variables of `TABLE`, or of its key `table`, that are in `columns`.
+    """A dataset of `kind` with those variables of `TABLE`, or of its key `table`, and of more keys, `parts`, that are in
+    `columns`.
 
     about: what `provenance` takes. own: further attributes, besides the hash of the content.
     """
     import xarray as xr
 
-    variables = [v for v in TABLE[table or kind] if v.name in columns]
+    variables = [v for key in (table or kind, *parts) for v in TABLE[key] if v.name in columns]
     ds = xr.Dataset({v.name: (v.dims, np.asarray(columns[v.name], v.dtype), v.attributes(meanings)) for v in variables})
     ds = ds.set_coords([*coordinates])
     ds.attrs = {**provenance(kind, **about), **own}

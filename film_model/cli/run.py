@@ -184,6 +184,7 @@ def _chain_text(motion: ChainMotion, verbose: bool) -> str:
 
     energy = motion.energy
     whole = max(energy.kinetic_before + energy.weight, energy.kinetic_after)
+    least = max(1e-11 * whole, 10.0 * abs(energy.error))  # J: less is rounding
     laws = ", ".join(dict.fromkeys(motion.laws))
     lines = [motion.chain.title or "Chain", f"law {laws}; {motion.outcome}"]
     short = [name for name in CONTACTS if name != "contact_ends"]
@@ -194,26 +195,26 @@ def _chain_text(motion: ChainMotion, verbose: bool) -> str:
         numbers = motion.chain.link_names if names is not BODIES else [str(number + 1) for number in range(len(rows))]
         named = list(zip(numbers, rows, strict=True))
         for number, row in _shown(named, len(rows) if verbose else most_rows):
-            cells = (_cell(value, kind, whole) for value, kind in zip(row.values(), dimensions, strict=True))
+            cells = (_cell(value, kind, least) for value, kind in zip(row.values(), dimensions, strict=True))
             lines.append(f"  {number:8}" + "".join(f"{cell:>18}" for cell in cells))
         if len(rows) > most_rows and not verbose:
             lines.insert(-most_rows // 2, f"  ... {len(rows) - most_rows} more")
     parts = {"before": energy.kinetic_before, "after": energy.kinetic_after, "absorbed": energy.absorbed}
     parts |= {"of weight": energy.weight} if motion.chain.gravity else {}
     parts |= {"of vibrations": energy.vibrations} if motion.chain.vibrates else {}
-    lines += ["", "  energy  " + ", ".join(f"{name} {_cell(value, 'energy', whole)}" for name, value in parts.items())]
+    lines += ["", "  energy  " + ", ".join(f"{name} {_cell(value, 'energy', least)}" for name, value in parts.items())]
     within = f"balance of energy within {max(abs(energy.error) / whole, 1e-12):.0e}"
     lines.append(f"  {within}; estimated relative error ≤ {motion.estimated:.1e}")
     return "\n".join(lines)
 
 
-def _cell(value: float | None, dimension: str, energy: float) -> str:
-    """A value with unit; energies that are rounding, compared with that of all bodies [J], as 0."""
+def _cell(value: float | None, dimension: str, least: float) -> str:
+    """A value with unit; energies below the least [J] as 0."""
     from film_model.base.units import format_si
 
     if value is None:
         return "-"
-    return format_si(0.0 if dimension == "energy" and abs(value) < 1e-11 * energy else value, dimension, 5)
+    return format_si(0.0 if dimension == "energy" and abs(value) < least else value, dimension, 5)
 
 
 def _head(name: str) -> str:

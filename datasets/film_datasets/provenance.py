@@ -69,8 +69,8 @@ def dataset_of(
     coordinates: Iterable[str] = (),
     parts: Iterable[str] = (),
 ) -> xr.Dataset:
-    """A dataset of `kind` with those variables of `TABLE`, or of its key `table`, and of more keys, `parts`, that are in
-    `columns`.
+    """A dataset of `kind` with those variables of `TABLE`, or of its key `table`, and of more keys `parts`, that are
+    in `columns`.
 
     about: what `provenance` takes. own: further attributes, besides the hash of the content.
     """

@@ -98,24 +98,25 @@ def run(
 ) -> Run:
     """Follow a chain. fall: accelerations by weight. contacts: curve, units of indentation and force, depth, factor of
     the damping, gap, cosine between both lines, the bodies in front and behind, and the point and side of the
-    structure, -1 and 0 away from it. limit, times: of the end and of
-    the samples, ascending; limit may be infinite."""
-    lib, n, m, points = _library(), mass.size, len(contacts), len(vibrations.shapes)
+    structure, -1 and 0 away from it. limit, times: of the end and of the samples, ascending; limit may be infinite."""
+    lib, n, m = _library(), mass.size, len(contacts)
+    points, modes = vibrations.shapes.shape
     vibrations = Vibrations(*map(np.ascontiguousarray, vibrations))
     given = (Contact * max(m, 1))(*(Contact(c.addressof(curve), *numbers) for curve, *numbers in contacts))
     mass, velocity, fall, times = (np.ascontiguousarray(row, dtype=np.float64) for row in (mass, velocity, fall, times))
     chain = Chain(
         *(n, m, mass.ctypes.data, velocity.ctypes.data, fall.ctypes.data, c.addressof(given)),
-        *(limit, tolerance, min(MOST_STEPS, MOST_WORK // (vibrations.square.size + OTHERS)), vibrations.square.size, points, 0),
+        *(limit, tolerance, min(MOST_STEPS, MOST_WORK // (modes + OTHERS)), modes, points, 0),
         *(row.ctypes.data for row in vibrations),
     )
     time, steps, failed = c.c_double(), c.c_int32(), c.c_int32(-1)
     indentation, speeds, found = np.empty(m), np.empty(n), np.zeros(m, SUMMARY_DTYPE)
     structure, samples = np.empty(2), np.empty((times.size, 2 * m + n + 3 * points))
-    memory = np.empty(lib.film_chain_size(n, m, vibrations.square.size) // 8 + 1)
+    memory = np.empty(lib.film_chain_size(n, m, modes) // 8 + 1)
     status = lib.film_chain_run(
-        *(c.byref(chain), c.byref(time), indentation.ctypes.data, speeds.ctypes.data, found.ctypes.data, structure.ctypes.data),
-        *(times.size, times.ctypes.data, samples.ctypes.data),
+        *(c.byref(chain), c.byref(time), indentation.ctypes.data, speeds.ctypes.data),
+        *(found.ctypes.data, structure.ctypes.data, times.size, times.ctypes.data, samples.ctypes.data),
         *(c.byref(steps), c.byref(failed), memory.ctypes.data),
     )
-    return Run(status, time.value, steps.value, indentation, speeds, found, structure, samples, failed.value, vibrations.square.size)
+    ends = indentation, speeds, found, structure, samples
+    return Run(status, time.value, steps.value, *ends, failed.value, modes)

@@ -84,11 +84,11 @@ class Chain(InUnits):
 
     bodies: in the order in which they lie; positive directions point to the last. contact: the law of all contacts
     that have none of their own; "auto" is elastoplastic where a yield strength is known, else hertz. target: a
-    HalfSpace behind each body that has none behind it, square to its line; or a Plate, Beam or Structure, which vibrates
-    and may be touched at several points, from both sides; default none. gravity: whether weight acts, along the line of
-    the first body. duration: s; default until contact is open everywhere and no neighbours approach; required with a
-    target that vibrates. accuracy: of final velocities over that of approach, and relative, of the largest force of
-    each contact; default 1e-9, with a target that vibrates 1e-4.
+    HalfSpace behind each body that has none behind it, square to its line; or a Plate, Beam or Structure, which
+    vibrates and may be touched at several points, from both sides; default none. gravity: whether weight acts, along
+    the line of the first body. duration: s; default until contact is open everywhere and no neighbours approach;
+    required with a target that vibrates. accuracy: of final velocities over that of approach, and relative, of
+    the largest force of each contact; default 1e-9, with a target that vibrates 1e-4.
 
     >>> ball = {"radius": "10 mm", "material": "bearing steel"}
     >>> cradle = fm.Chain([{**ball, "velocity": "0.5 m/s"}, {**ball, "count": 2}], "hertz")
@@ -237,7 +237,9 @@ class Chain(InUnits):
             here, last = f"bodies[{number}]", last + body.count
             touches = [name for name in ("at", "fixed") if getattr(body, name)]
             wrong = {
-                name: "needs a target that vibrates: a plate, beam or structure" for name in touches if not self.vibrates
+                name: "needs a target that vibrates: a plate, beam or structure"
+                for name in touches
+                if not self.vibrates
             }
             if body.at and self.vibrates and body.at not in known:
                 wrong["at"] = f"{shown(body.at)} is no sensor of the target{did_you_mean(body.at, known)}"
@@ -361,6 +363,7 @@ class Chain(InUnits):
     def to_toml(self) -> str:
         """The text of a file from which :meth:`from_text` makes the same chain, to the last bit."""
         return text_from_table(self.to_table())
+
 
 def read(path: str | os.PathLike[str]) -> Scene | Chain:
     """The chain in a file with sections [[bodies]], else the scene; all mistakes are raised in one SceneError."""

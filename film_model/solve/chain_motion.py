@@ -142,7 +142,9 @@ class ChainMotion:
         }
         if structure.target is not None and structure.target.sensors:
             known = split_rows(structure.target, rates * moved[:, len(structure.points) :])
-            found |= {f"sensor_{name}": value for name, value in zip(quantities_of(structure.target), known, strict=True)}
+            found |= {
+                f"sensor_{name}": value for name, value in zip(quantities_of(structure.target), known, strict=True)
+            }
         return found
 
     def rows(self, names: Iterable[str]) -> list[dict[str, Any]]:
@@ -201,9 +203,9 @@ def simulate_chain(chain: Chain) -> ChainMotion:
 
     The equations of motion are integrated by DOP853 (order 8) with a step that ends where a contact begins, turns,
     changes its stage or ends. `accuracy` is met by comparison with a run of a coarser tolerance. Momentum is kept to
-    rounding, and the energy of elastic chains to 1e-12. For a target that vibrates, the highest frequency is doubled until
-    runs agree. Effects that `simulate` decides (waves, rate hardening, vibrations of the half-space, viscosity) are not
-    simulated. Bodies are spheres, each of which moves along its line,
+    rounding, and the energy of elastic chains to 1e-12. For a target that vibrates, the highest frequency is doubled
+    until runs agree. Effects that `simulate` decides (waves, rate hardening, vibrations of the half-space, viscosity)
+    are not simulated. Bodies are spheres, each of which moves along its line,
     as in a frictionless guide: of the force at a bend the body in front takes the part along its own line, and its
     guide the rest. Ways while bodies touch are short beside their radii.
 
@@ -238,7 +240,9 @@ def simulate_chain_quietly(chain: Chain) -> ChainMotion:
         followed, tolerance = Followed(0.0, FINEST), max(chain.accuracy * 0.01, FINEST * 10.0)
         fine = run(followed)
         _raise_failure(chain, fine, contacts, scales)
-        while (estimated := _difference(run(Followed(0.0, tolerance)), fine)) > chain.accuracy and tolerance > FINEST * 10.0:
+        while (
+            estimated := _difference(run(Followed(0.0, tolerance)), fine)
+        ) > chain.accuracy and tolerance > FINEST * 10.0:
             tolerance = max(tolerance * 1e-3, FINEST * 10.0)
     values = _values(chain, fine, scales)
     said = _warnings(chain, contacts, values, estimated)
@@ -274,7 +278,8 @@ def _runner(chain: Chain, contacts: list[ChainContact], scales: _Scales) -> Call
             contact.damping * scales.velocity / contact.force,
             contact.link.gap / scales.length,
             contact.link.along,
-            *(len(row) if end is None else end for end in contact.link[:2]),
+            len(row) if contact.link.front is None else contact.link.front,
+            len(row) if contact.link.behind is None else contact.link.behind,
             *structure.place(contact.link),
         )
         for contact in contacts
@@ -285,7 +290,9 @@ def _runner(chain: Chain, contacts: list[ChainContact], scales: _Scales) -> Call
     def run(followed: Followed, times: Any = None) -> chaining.Run:
         vibrations = structure.vibrations(followed, scales.mass, scales.time)
         at = [limit] if times is None and chain.vibrates else () if times is None else times
-        return chaining.run(mass, velocity, fall, given, vibrations, limit=limit, tolerance=followed.tolerance, times=at)
+        return chaining.run(
+            mass, velocity, fall, given, vibrations, limit=limit, tolerance=followed.tolerance, times=at
+        )
 
     return run
 

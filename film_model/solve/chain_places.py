@@ -9,7 +9,7 @@ from film_model.scene.chain import Chain
 
 
 def displacements(chain: Chain, indentation: Array, times: Array, structure: Array) -> Array:
-    """Displacements, m, (bodies, times), from indentations [m], (contacts, times): x_b = c x_a - (d + gap) at each link.
+    """Displacements, m, (bodies, times), from indentations [m], (contacts, times): x_b = c x_a - (d + gap) at a link.
 
     structure: of a target that vibrates, at each link. With a rigid one that of the first body follows from the way to
     it, without one from Σ m_b x_b Π c, which grows evenly: at a link, a loses the part c of what b gains.

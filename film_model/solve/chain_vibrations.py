@@ -48,7 +48,7 @@ class Followed(NamedTuple):
 
 @dataclass(frozen=True)
 class Structure:
-    """A target that vibrates, with the points where it is touched: sensors, or its own. Another target has no points."""
+    """A target that vibrates, with the points where it is touched: sensors, or its own. No other target has points."""
 
     target: AbstractTarget | None
     points: tuple[str, ...]
@@ -101,7 +101,9 @@ def _vibrations(target: AbstractTarget, points: tuple[str, ...], highest: float,
     frequency = np.append(found.frequency, above)
     drag = np.append(2.0 * found.ratio * found.frequency, 0.0 * above)
     used = np.append(np.ones(count, dtype=bool), more.any(axis=0))
-    return chaining.Vibrations(*(part[..., used] for part in (frequency**2, drag, np.hstack([found.shapes, more * above]))))
+    return chaining.Vibrations(
+        *(part[..., used] for part in (frequency**2, drag, np.hstack([found.shapes, more * above])))
+    )
 
 
 def first_frequency(chain: Chain, contacts: list[ChainContact]) -> float:
@@ -120,8 +122,9 @@ def refined(
 ) -> tuple[chaining.Run, Followed, float]:
     """The run with as many vibrations as the accuracy needs, how it was followed, and its error estimate.
 
-    first: highest frequency of the first run, rad/s. It is doubled until three runs agree, by the rule of `film_model.solve.vibration.vibrate`. damped: whether a law is. inexact: whether the static
-    compliances have errors that may matter; their effect is that of one more run.
+    first: highest frequency of the first run, rad/s. It is doubled until three runs agree, by the rule of
+    `film_model.solve.vibration.vibrate`. damped: whether a law is. inexact: whether the static compliances have errors
+    that may matter; their effect is that of one more run.
     """
     followed, runs, work, estimated = [Followed(first, STEP * accuracy)], list[chaining.Run](), 0, math.inf
     factor, fall = (DAMPED_FACTOR, DAMPED_FALL) if damped else (MODES_FACTOR, MODES_FALL)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -35,7 +36,7 @@ class Seen(NamedTuple):
     shapes: Array
 
 
-def seen(target: AbstractTarget, points: list[str], highest: float) -> Seen:
+def seen(target: AbstractTarget, points: Sequence[str], highest: float) -> Seen:
     """The vibrations up to the frequency `highest`, rad/s. points: names of sensors, or `STRUCK`."""
     names = [sensor.name for sensor in target.sensors or ()]
     if isinstance(target, Structure):

@@ -12,61 +12,26 @@ from film_model.effects.elastic_ball import COMPUTED, Body, change, excess
 from film_model.effects.oblique_limits import LARGEST, expected, unknown
 from film_model.laws.hertz import hertz_stiffness
 from film_model.scene import Scene
-from film_model.targets import Estimate, Impact
+from film_model.targets import AbstractTarget, Estimate
 
 
-def reflections(case: Case, rule: Rule) -> Effect:
-    """Waves that return from edges or ends before contact ends."""
-    return _by_target(case, case.scene.target.reflections, rule)
+def by_target(method: str) -> Callable[[Case, Rule], Effect]:
+    """The rule of an effect that this method of the target estimates."""
 
+    def judge(case: Case, rule: Rule) -> Effect:
+        found: Estimate = getattr(case.scene.target, method)(case.seen_by_target)
+        rule = rule if found.indicator is None else rule._replace(indicator=found.indicator)
+        if not found.applies:
+            return rule.absent(found.reason)
+        if found.fails:
+            return rule.failing(found.reason, found.value, found.threshold)
+        if found.change is None or found.value is None:
+            return rule.unjudged(found.reason, found.value, found.threshold)
+        cost = ABSENT if found.remedy is None else f"{ABSENT}: {found.remedy}"
+        return rule.sized(case.tolerance, found.value, found.threshold, found.change, found.reason, cost)
 
-def thickness(case: Case, rule: Rule) -> Effect:
-    """A half-space that is too thin; shear of a plate or beam."""
-    return _by_target(case, case.scene.target.thickness_effect, rule)
-
-
-def contact_width(case: Case, rule: Rule) -> Effect:
-    """A half-space law on a plate or beam."""
-    return _by_target(case, case.scene.target.contact_width, rule)
-
-
-def wave_losses(case: Case, rule: Rule) -> Effect:
-    """Waves radiated into a target that is simulated without them."""
-    return _by_target(case, case.scene.target.wave_losses, rule)
-
-
-def stretching(case: Case, rule: Rule) -> Effect:
-    """Membrane forces where the deflection is not small compared with the thickness."""
-    return _by_target(case, case.scene.target.stretching, rule)
-
-
-def bending_strength(case: Case, rule: Rule) -> Effect:
-    """Yield or fracture by bending; only the contact yields in the simulation."""
-    return _by_target(case, case.scene.target.bending_strength, rule)
-
-
-def cross_bending(case: Case, rule: Rule) -> Effect:
-    """Bending across the width of a beam; twist coupled with bending of a layup."""
-    return _by_target(case, case.scene.target.cross_bending, rule)
-
-
-def omitted_modes(case: Case, rule: Rule) -> Effect:
-    """Vibrations of a structure above the highest that is given, Ω."""
-    return _by_target(case, case.scene.target.omitted_modes, rule)
-
-
-def _by_target(case: Case, judge: Callable[[Impact], Estimate], rule: Rule) -> Effect:
-    """The effect that a rule of the target estimates."""
-    found = judge(case.seen_by_target)
-    rule = rule if found.indicator is None else rule._replace(indicator=found.indicator)
-    if not found.applies:
-        return rule.absent(found.reason)
-    if found.fails:
-        return rule.failing(found.reason, found.value, found.threshold)
-    if found.change is None or found.value is None:
-        return rule.unjudged(found.reason, found.value, found.threshold)
-    cost = ABSENT if found.remedy is None else f"{ABSENT}: {found.remedy}"
-    return rule.sized(case.tolerance, found.value, found.threshold, found.change, found.reason, cost)
+    judge.__doc__ = getattr(AbstractTarget, method).__doc__
+    return judge
 
 
 def small_slope(case: Case, rule: Rule) -> Effect:

@@ -56,20 +56,24 @@ _TABLE: dict[str, tuple[str, str, Callable[[Case, Rule], Effect]]] = {
     "boundary_reflections": (
         "t_c/t_return",
         "fitted to sums over the modes of simply supported plates struck at the centre; one-dimensional waves in a rod",
-        geometry.reflections,
+        geometry.by_target("reflections"),
     ),
-    "thickness": ("k h", "Zener 1941; three-dimensional waves of a layer, to first order", geometry.thickness),
-    "stretching": ("deflection/h", "Berger 1955, J. Appl. Mech. 22:465, in one term", geometry.stretching),
+    "thickness": (
+        "k h",
+        "Zener 1941; three-dimensional waves of a layer, to first order",
+        geometry.by_target("thickness_effect"),
+    ),
+    "stretching": ("deflection/h", "Berger 1955, J. Appl. Mech. 22:465, in one term", geometry.by_target("stretching")),
     "bending_strength": (
         "bending stress/strength",
         "infinite plate under a sudden force; Westergaard in Timoshenko & Woinowsky-Krieger 1959",
-        geometry.bending_strength,
+        geometry.by_target("bending_strength"),
     ),
-    "cross_bending": ("-", "response to a half-sine; classical lamination theory", geometry.cross_bending),
+    "cross_bending": ("-", "response to a half-sine; classical lamination theory", geometry.by_target("cross_bending")),
     "omitted_modes": (
         "Ω T/π",
         "response to a half-sine of the contact time T on a fixed target",
-        geometry.omitted_modes,
+        geometry.by_target("omitted_modes"),
     ),
     "small_slope": (
         "a/R",
@@ -79,11 +83,11 @@ _TABLE: dict[str, tuple[str, str, Callable[[Case, Rule], Effect]]] = {
     "contact_width": (
         "a/h",
         "half-space laws fail for contacts wider than the plate thickness",
-        geometry.contact_width,
+        geometry.by_target("contact_width"),
     ),
     "adhesion": ("V/V_s", "Thornton & Ning 1998; work of separation by Johnson, Kendall & Roberts", materials.adhesion),
     "material_damping": ("tan δ", "Lee & Radok 1960; Ting 1966, with a modulus t^−β", materials.material_damping),
-    "wave_losses": ("E_waves/E", "Lamb's problem, Miller & Pursey 1955", geometry.wave_losses),
+    "wave_losses": ("E_waves/E", "Lamb's problem, Miller & Pursey 1955", geometry.by_target("wave_losses")),
     "heating": ("plastic work/volume, J/m³", "balance of energy", materials.heating),
     "fracture": (
         "force/least force of a crack",

@@ -230,7 +230,7 @@ class AbstractTarget(InUnits, ABC):
         return max((self.compliance or 0.0) - modes.compliance, 0.0)
 
     def reflections(self, impact: Impact) -> Estimate:
-        """The effect of waves reflected from an edge or end before contact ends, if the target has no modes."""
+        """Waves that return from edges or ends before contact ends."""
         what = "a free body" if self.free else f"a {self.kind}"
         return no_effect(f"the model of {what} has no reflected waves")
 
@@ -243,31 +243,31 @@ class AbstractTarget(InUnits, ABC):
         return math.inf * motion
 
     def thickness_effect(self, impact: Impact) -> Estimate:
-        """The effect of the thickness, which the model assumes infinite, or small compared with the wavelengths."""
+        """A half-space that is too thin; shear of a plate or beam."""
         return no_effect(f"does not apply to a {self.kind}")
 
     def contact_width(self, impact: Impact) -> Estimate:
-        """The effect of a contact that is wide compared with the thickness, for which half-space laws fail."""
+        """A half-space law on a plate or beam."""
         return no_effect(f"does not apply to a {self.kind}")
 
     def wave_losses(self, impact: Impact) -> Estimate:
-        """The effect of waves radiated into the target, if the model neglects them."""
+        """Waves radiated into a target that is simulated without them."""
         return no_effect(f"does not apply to a {self.kind}")
 
     def stretching(self, impact: Impact) -> Estimate:
-        """The effect of membrane forces in a structure that is bent by more than a fraction of its thickness."""
+        """Membrane forces where the deflection is not small compared with the thickness."""
         return no_effect(f"does not apply to a {self.kind}")
 
     def bending_strength(self, impact: Impact) -> Estimate:
-        """The effect of a structure that yields or breaks because it is bent."""
+        """Yield or fracture by bending; only the contact yields in the simulation."""
         return no_effect(f"does not apply to a {self.kind}")
 
     def omitted_modes(self, impact: Impact) -> Estimate:
-        """The effect of vibrations above the highest that is known."""
+        """Vibrations of a structure above the highest that is given, Ω."""
         return no_effect(f"does not apply to a {self.kind}")
 
     def cross_bending(self, impact: Impact) -> Estimate:
-        """The effect of bending across the width, or of twist coupled with bending, if the model neglects it."""
+        """Bending across the width of a beam; twist coupled with bending of a layup."""
         return no_effect(f"does not apply to a {self.kind}")
 
 

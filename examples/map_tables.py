@@ -12,6 +12,7 @@ them in extended precision (the 80 bits of the processor where NumPy has them): 
 
 from __future__ import annotations
 
+import textwrap
 from collections.abc import Callable
 from pathlib import Path
 
@@ -120,12 +121,15 @@ def text(name: str) -> str:
         "",
         f"const double {name}[MAP_PIECES * {name.upper()}_TERMS * {name.upper()}_VALUES + 2] = {{",
     )
-    return "\n".join([*head, *_rows([*pieces(way, terms).ravel().tolist(), 0.0, 0.0]), "};"]) + "\n"
+    made = pieces(way, terms)
+    texts = [_digits(*pair) for pair in np.broadcast(made, 1e-18 * abs(made[:, :1]))]
+    indent = {"initial_indent": "    ", "subsequent_indent": "    "}
+    return "\n".join([*head, textwrap.fill(", ".join([*texts, "0", "0"]), 119, **indent) + ",", "};"]) + "\n"
 
 
-def _rows(numbers: list[float]) -> list[str]:
-    texts = [f"{number:.17g}" for number in numbers]
-    return [f"    {', '.join(texts[k : k + 4])}," for k in range(0, len(texts), 4)]
+def _digits(number: float, least: float) -> str:
+    """A coefficient with the digits above `least`, beyond which it changes no sum: 17, or fewer."""
+    return f"{number:.{np.clip(int(np.log10(abs(number) / least)) + 1, 1, 17)}g}" if abs(number) > least else "0"
 
 
 if __name__ == "__main__":

@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 from typing import TYPE_CHECKING, Any
 
+import film_model.plot as pictures
 from film_model.cli.output import DONE, Commands, add_common, add_scene, give, print_json, read_scene
 
 if TYPE_CHECKING:
@@ -38,32 +39,27 @@ def explain(options: argparse.Namespace) -> int:
     scene = read_scene(options)
     report = explaining.explain(scene, laws=options.law == "all")
 
-    def draw(path: str) -> None:
-        from film_model.plot.regimes import plot_regimes
-
-        plot_regimes(scene, path)
-
     def text() -> str:
         effects = explaining.effects_text(scene, verbose=options.verbose)
         return f"{effects}\n\n{explaining.laws_text(report['laws'])}" if options.law else effects
 
-    return give(options, text, lambda: report, report["warnings"], plot=draw)
+    return give(options, text, lambda: report, report["warnings"], plot=lambda path: pictures.plot_regimes(scene, path))
 
 
 def laws(options: argparse.Namespace) -> int:
     from film_model.laws import LAWS
     from film_model.laws.unloading import UNLOADINGS
 
-    def draw(path: str) -> None:
-        from film_model.plot.laws import plot_laws
-
-        plot_laws(path)
-
     rows = [{"name": name, **_law_row(law)} for name, law in LAWS.items()]
     rules = [{"name": name, **_law_row(law)} for name, law in UNLOADINGS.items()]
     heading = '\nRules of unloading for any law without damping, unloading = "..." in [contact]:\n'
     texts = (*map(_law_text, rows), heading, *map(_law_text, rules))
-    return give(options, lambda: "\n".join(texts), lambda: {"laws": rows, "unloadings": rules}, plot=draw)
+    return give(
+        options,
+        lambda: "\n".join(texts),
+        lambda: {"laws": rows, "unloadings": rules},
+        plot=lambda path: pictures.plot_laws(path),
+    )
 
 
 def _law_row(law: type[AbstractLaw]) -> dict[str, Any]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from film_model.cli.output import Commands, add_common, add_scene, give, read_scene
@@ -29,6 +30,7 @@ def add_commands(commands: Commands) -> None:
 
 def contact_for(options: argparse.Namespace) -> int:
     from film_model import translate
+    from film_model.plot.engines import plot_translation
 
     engine = translate.engine_named(options.engine)
     velocity = _range(options.velocity)
@@ -36,12 +38,7 @@ def contact_for(options: argparse.Namespace) -> int:
     count = {} if options.count is None else {"count": options.count}
     made = translate.contact_for(engine, scene, velocity, law=options.law, **count)
     table = {"title": scene.title, "engine": engine.name, "laws": [one.to_dict() for one in made]}
-
-    def draw(path: str) -> None:
-        from film_model.plot.engines import plot_translation
-
-        plot_translation(scene, made[0], path)
-
+    draw = partial(plot_translation, scene, made[0])
     return give(options, lambda: _text(scene, made), lambda: table, made[0].warnings, plot=draw)
 
 

@@ -135,8 +135,10 @@ def listed(text: str | None) -> list[str]:
     return [name.strip() for name in (text or "").split(",") if name.strip()]
 
 
-def check_writable(path: str, force: bool) -> None:
-    """Raise OSError before the work if a file cannot be written to `path` afterwards."""
+def check_writable(path: str | None, force: bool) -> None:
+    """Raise OSError before the work if a file cannot be written to `path`, if there is one, afterwards."""
+    if path is None:
+        return
     folder = os.path.dirname(os.path.abspath(path))
     if not os.path.isdir(folder):
         raise FileNotFoundError(f"{path}: the folder {folder} does not exist")

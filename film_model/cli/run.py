@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 from typing import TYPE_CHECKING, Any
 
+import film_model.plot as pictures
 from film_model.cli.output import Commands, add_common, add_scene, check_dataset, give_result, listed
 
 if TYPE_CHECKING:
@@ -61,15 +62,10 @@ def run(options: argparse.Namespace) -> int:
         derivatives=listed(options.derivatives),
     )
 
-    def strobe(path: str) -> None:
-        from film_model.plot.strobe import plot_strobe
-
-        plot_strobe(history, path)
-
     def text() -> str:
         return "\n".join([_table(history, options.verbose), *_derivatives(history)])
 
-    return give_result(options, history, text, strobe=strobe)
+    return give_result(options, history, text, strobe=lambda path: pictures.plot_strobe(history, path))
 
 
 def _table(history: History, verbose: bool) -> str:

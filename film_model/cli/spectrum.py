@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+from functools import partial
 
 from film_model.cli.output import Commands, add_common, add_scene, check_writable, give, read_scene
 
@@ -19,11 +20,11 @@ def add_commands(commands: Commands) -> None:
 
 def spectrum(options: argparse.Namespace) -> int:
     from film_model.base.units import format_si, to_si
+    from film_model.plot.spectrum import plot_spectrum
     from film_model.solve.simulate import simulate_quietly
     from film_model.solve.spectrum import FREQUENCIES
 
-    if options.output:
-        check_writable(options.output, options.force)
+    check_writable(options.output, options.force)
     scene = read_scene(options)
     history = simulate_quietly(scene, accuracy=options.accuracy)
     frequencies = None
@@ -38,10 +39,5 @@ def spectrum(options: argparse.Namespace) -> int:
     lasts = format_si(history.summary["contact_duration"] or 0.0, "time", 4)
     falls = f"  force down by 10 dB at        {found.bandwidth / 1e3:.4g} kHz"
     text = "\n".join([title, falls, f"  contact duration              {lasts}"])
-
-    def draw(path: str) -> None:
-        from film_model.plot.spectrum import plot_spectrum
-
-        plot_spectrum(found, title, path)
-
+    draw = partial(plot_spectrum, found, title)
     return give(options, lambda: text, found.to_dict, history.warnings, output=found.write, plot=draw)

@@ -7,6 +7,7 @@ import sys
 from functools import partial
 from typing import TYPE_CHECKING
 
+import film_model.plot as pictures
 from film_model.base.files import write_text
 from film_model.cli.output import (
     DONE,
@@ -74,11 +75,7 @@ def cost(options: argparse.Namespace) -> int:
 
         film_datasets.write(film_datasets.to_dataset(done), path, overwrite=options.force)
 
-    def draw(path: str) -> None:
-        from film_model.plot.cost import plot_study
-
-        plot_study(done, path)
-
+    draw = partial(pictures.plot_study, done)
     return give(options, lambda: _cost_table(done), done.to_dict, output=write, plot=draw)
 
 
@@ -109,8 +106,7 @@ def hard_cases(options: argparse.Namespace) -> int:
     from film_model.studies.hard_cases import all_cases, page, report
 
     high_precision.arithmetic()  # without mpmath, raises before the first case
-    if options.markdown:
-        check_writable(options.markdown, options.force)
+    check_writable(options.markdown, options.force)
     reports: list[Report] = []
     chosen = [case for case in all_cases() if options.match in case.name]
     if not chosen:
@@ -139,25 +135,20 @@ def validate(options: argparse.Namespace) -> int:
     """Print median and worst error by law and group of rows."""
     from film_datasets import load
     from film_datasets.evidence import evidence_rows
+    from film_model.plot.validation import plot_validation
     from film_model.studies.validation import TESTED, compare, table
 
-    if options.output:
-        check_writable(options.output, options.force)
+    check_writable(options.output, options.force)
     rows = evidence_rows(load("measured_impacts"))
     reports = compare(rows, TESTED if options.law == "all" else (options.law,))
     rises = [f"{report.law}: restitution rises with velocity, {said}" for report in reports for said in report.rises]
-
-    def draw(path: str) -> None:
-        from film_model.plot.validation import plot_validation
-
-        plot_validation(reports, path)
 
     return give(
         options,
         lambda: "\n".join([table(reports), *rises]),
         lambda: {"laws": [report.to_dict() for report in reports]},
         output=lambda path: write_text(path, _rows_as_csv(reports)),
-        plot=draw,
+        plot=partial(plot_validation, reports),
     )
 
 

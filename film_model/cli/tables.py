@@ -89,8 +89,7 @@ def summarise(options: argparse.Namespace) -> int:
 def table(options: argparse.Namespace) -> int:
     import film_datasets
 
-    if options.output:
-        check_writable(options.output, options.force)
+    check_writable(options.output, options.force)
     law = {} if options.law is None else {"contact.law": options.law}
     scene = read_scene(options).replace({"impactor.drop_height": None, "impactor.velocity": options.low, **law})
     velocities = {"from": options.low, "to": options.high, "count": options.count, "spacing": "log"}

@@ -8,22 +8,13 @@ from typing import Any, ClassVar
 
 import numpy as np
 
+from film_model.laws.damped_sphere import DampedSphere
 from film_model.laws.damping import hunt_crossley_strength
-from film_model.laws.hertz import Hertz, hertz_stiffness
-from film_model.laws.law import (
-    AbstractLaw,
-    ExampleBall,
-    Family,
-    Parameter,
-    Power,
-    Stage,
-    raise_wrong,
-    wrong_restitution,
-)
+from film_model.laws.law import ExampleBall, Parameter, wrong_restitution
 
 
 @dataclass(frozen=True)
-class HuntCrossley(AbstractLaw):
+class HuntCrossley(DampedSphere):
     """Hunt & Crossley 1975, J. Appl. Mech. 42:440; χ by the exact inversion.
 
         F = K δ^{3/2} (1 + χ δ̇),  K = (4/3) E √R
@@ -33,7 +24,6 @@ class HuntCrossley(AbstractLaw):
     """
 
     name: ClassVar[str] = "hunt-crossley"
-    family: ClassVar[Family] = "damped"
     summary: ClassVar[str] = "Hertz with damping proportional to the force, K δ^1.5 (1 + χ δ̇)"
     source: ClassVar[str] = "Hunt & Crossley 1975, J. Appl. Mech. 42:440; χ by the exact inversion"
     validity: ClassVar[str] = "near the velocity at which χ was found; restitution falls with velocity"
@@ -43,29 +33,17 @@ class HuntCrossley(AbstractLaw):
             "χ; or restitution", dimension="inverse_velocity", required=False, above=None, minimum=0.0
         ),
     }
-    damped: ClassVar[bool] = True
+    damping_exponent: ClassVar[float] = 1.5
 
-    effective_modulus: float
-    radius: float
     restitution: float | None = None
     hysteresis_damping: float | None = None
-
-    def __post_init__(self) -> None:
-        raise_wrong(self)
 
     @classmethod
     def example(cls, ball: ExampleBall) -> Mapping[str, Any]:
         return {"restitution": 0.6}
 
-    def scales(self, energy: float) -> tuple[float, float]:
-        return Hertz(self.effective_modulus, self.radius).scales(energy)
-
-    def stages(self) -> tuple[Stage, ...]:
-        hertz = Power(coefficient=1.0, exponent=1.5)
-        return (Stage("elastic", 0.0, float("inf"), hertz, damping=hertz),)
-
     def damping_factor(self, mass: Any, velocity: Any, length: float) -> Any:
-        force = hertz_stiffness(self.effective_modulus, self.radius) * length**1.5
+        force = self._stiffness * length**1.5
         if self.hysteresis_damping is not None:
             return self.hysteresis_damping * force + 0.0 * mass
         assert self.restitution is not None

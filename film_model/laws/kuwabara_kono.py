@@ -6,12 +6,12 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-from film_model.laws.hertz import Hertz, hertz_stiffness
-from film_model.laws.law import AbstractLaw, ExampleBall, Family, Parameter, Power, Stage
+from film_model.laws.damped_sphere import DampedSphere
+from film_model.laws.law import ExampleBall, Parameter
 
 
 @dataclass(frozen=True)
-class KuwabaraKono(AbstractLaw):
+class KuwabaraKono(DampedSphere):
     """Kuwabara & Kono 1987, Jpn. J. Appl. Phys. 26:1230; Brilliantov et al. 1996, Phys. Rev. E 53:5382.
 
         F = K δ^{3/2} + (3/2) A K √δ δ̇ = (1 + A d/dt) K δ^{3/2}  until F = 0,  K = (4/3) E √R
@@ -22,7 +22,6 @@ class KuwabaraKono(AbstractLaw):
     """
 
     name: ClassVar[str] = "kuwabara-kono"
-    family: ClassVar[Family] = "damped"
     summary: ClassVar[str] = "viscoelastic sphere, (1 + A d/dt) K δ^1.5"
     source: ClassVar[str] = (
         "Kuwabara & Kono 1987, Jpn. J. Appl. Phys. 26:1230; Brilliantov et al. 1996, Phys. Rev. E 53:5382"
@@ -31,23 +30,13 @@ class KuwabaraKono(AbstractLaw):
     parameters: ClassVar[Mapping[str, Parameter]] = {
         "dissipation_time": Parameter("A", dimension="time", above=None, minimum=0.0)
     }
-    damped: ClassVar[bool] = True
+    damping_exponent: ClassVar[float] = 0.5
 
-    effective_modulus: float
-    radius: float
     dissipation_time: float
 
     @classmethod
     def example(cls, ball: ExampleBall) -> Mapping[str, Any]:
         return {"dissipation_time": 0.2 * ball.depth / ball.velocity}
 
-    def scales(self, energy: float) -> tuple[float, float]:
-        return Hertz(self.effective_modulus, self.radius).scales(energy)
-
-    def stages(self) -> tuple[Stage, ...]:
-        damping = Power(coefficient=1.0, exponent=0.5)
-        return (Stage("elastic", 0.0, float("inf"), Power(coefficient=1.0, exponent=1.5), damping=damping),)
-
     def damping_factor(self, mass: Any, velocity: Any, length: float) -> Any:
-        stiffness = hertz_stiffness(self.effective_modulus, self.radius)
-        return 1.5 * self.dissipation_time * stiffness * length**0.5 + 0.0 * mass
+        return 1.5 * self.dissipation_time * self._stiffness * length**0.5 + 0.0 * mass

@@ -38,24 +38,13 @@ def index_or_span(index: Index) -> Any:
     return index
 
 
-def root(x: Any) -> Any:
-    """√x."""
-    return np.sqrt(x) if isinstance(x, np.ndarray) else math.sqrt(x)
+def _either_of(of_array: Callable[[Any], Any], of_number: Callable[[float], float]) -> Callable[[Any], Any]:
+    return lambda x: of_array(x) if isinstance(x, np.ndarray) else of_number(x)
 
 
-def cosine(x: Any) -> Any:
-    """cos x, x in radians."""
-    return np.cos(x) if isinstance(x, np.ndarray) else math.cos(x)
-
-
-def sine(x: Any) -> Any:
-    """sin x, x in radians."""
-    return np.sin(x) if isinstance(x, np.ndarray) else math.sin(x)
-
-
-def tangent(x: Any) -> Any:
-    """tan x, x in radians."""
-    return np.tan(x) if isinstance(x, np.ndarray) else math.tan(x)
+root, logarithm = _either_of(np.sqrt, math.sqrt), _either_of(np.log, math.log)
+cosine, sine, tangent = _either_of(np.cos, math.cos), _either_of(np.sin, math.sin), _either_of(np.tan, math.tan)
+"""Of an angle in radians."""
 
 
 def exponential(x: Any) -> Any:
@@ -63,11 +52,6 @@ def exponential(x: Any) -> Any:
     if isinstance(x, np.ndarray):
         return np.exp(x)
     return x.exp() if hasattr(x, "exp") else math.exp(x)
-
-
-def logarithm(x: Any) -> Any:
-    """ln x."""
-    return np.log(x) if isinstance(x, np.ndarray) else math.log(x)
 
 
 def lesser(a: Any, b: Any) -> Any:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, ClassVar
 
 from film_model.base.errors import Mistake
 from film_model.base.fields import Field, choice, measure, mistake
@@ -29,8 +29,19 @@ def contradictions(ball: Any) -> list[Mistake]:
     return [mistake(ball, "inertia", f"{what}: leave one of them out")]
 
 
-def inertia_number_of(ball: Any) -> float:
-    """J/(m R²): of the given moment of inertia, otherwise 2/5 of a solid ball and 2/3 of a thin shell."""
-    if ball.inertia is not None:
-        return ball.inertia / (ball.own_mass * ball.radius**2)
-    return SHAPES[ball.shape or "solid"]
+class Turning:
+    """A ball that may spin."""
+
+    is_ball: ClassVar[bool] = True
+
+    @property
+    def inertia_number(self: Any) -> float:
+        """J/(m R²): of the given moment of inertia, otherwise 2/5 of a solid ball and 2/3 of a thin shell."""
+        if self.inertia is not None:
+            return self.inertia / (self.own_mass * self.radius**2)
+        return SHAPES[self.shape or "solid"]
+
+    @property
+    def diameter(self: Any) -> float:
+        """Twice the radius, m."""
+        return 2.0 * self.radius

@@ -6,8 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import ClassVar
 
-from film_model.laws.law import AbstractLaw, Family, Parameter, Power, Stage, Unloading
-from film_model.laws.yielding import yield_point
+from film_model.laws.law import Parameter, Power, Stage, Unloading
+from film_model.laws.yielding import YieldingSphere
 
 TRANSITION = 13.93  # δ_tep/δ_y
 FULLY_PLASTIC = 82.5  # δ_p/δ_y
@@ -15,7 +15,7 @@ LINEAR_SLOPE = 5.40  # K_l/(K √δ_y)
 
 
 @dataclass(frozen=True)
-class BigAlabo(AbstractLaw):
+class BigAlabo(YieldingSphere):
     """Big-Alabo, Cartmell & Harrison 2017, equations (19) and (20).
 
         f = F/F_y, d = δ/δ_y
@@ -30,7 +30,6 @@ class BigAlabo(AbstractLaw):
     """
 
     name: ClassVar[str] = "big-alabo"
-    family: ClassVar[Family] = "yields"
     summary: ClassVar[str] = "elastic, two elastoplastic and a fully plastic stage; Hertz unloading with R_d"
     source: ClassVar[str] = "Big-Alabo, Cartmell & Harrison 2017, equations (19) and (20)"
     validity: ClassVar[str] = (
@@ -44,13 +43,7 @@ class BigAlabo(AbstractLaw):
         )
     }
 
-    effective_modulus: float
-    radius: float
-    yield_strength: float
     constants: str = "continuous"
-
-    def scales(self, energy: float) -> tuple[float, float]:
-        return yield_point(self.effective_modulus, self.radius, self.yield_strength)
 
     def stages(self) -> tuple[Stage, ...]:
         printed = self.constants == "printed"

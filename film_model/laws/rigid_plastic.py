@@ -9,6 +9,7 @@ from typing import ClassVar
 
 from film_model.laws.law import AbstractLaw, Family, Parameter, Power, Stage
 from film_model.laws.unloading import brake_unloading
+from film_model.laws.yielding import pressure_over
 
 
 @dataclass(frozen=True)
@@ -29,12 +30,7 @@ class RigidPlastic(AbstractLaw):
     source: ClassVar[str] = "Johnson 1985, Contact Mechanics, section 11.5"
     validity: ClassVar[str] = "far beyond yield, V above some hundred V_Y; no elastic stage"
     parameters: ClassVar[Mapping[str, Parameter]] = {
-        "yield_pressure": Parameter(
-            "dynamic contact pressure p_d, by default 3 times the strength",
-            "pressure",
-            required=False,
-            over_strength=3.0,
-        )
+        "yield_pressure": pressure_over(3.0, "dynamic contact pressure p_d")
     }
 
     effective_modulus: float

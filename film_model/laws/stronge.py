@@ -8,8 +8,8 @@ from typing import ClassVar
 
 import numpy as np
 
-from film_model.laws.law import AbstractLaw, Array, Family, Power, Stage, Unloading
-from film_model.laws.yielding import YIELD_PRESSURE_RATIO, yield_point
+from film_model.laws.law import Array, Power, Stage, Unloading
+from film_model.laws.yielding import YIELD_PRESSURE_RATIO, YieldingSphere
 
 FULLY_PLASTIC_PRESSURE = 2.8  # p̄/Y
 X_PLASTIC = math.exp(3.3 * (FULLY_PLASTIC_PRESSURE / YIELD_PRESSURE_RATIO - 1.0))  # (a/a_Y)² there
@@ -28,7 +28,7 @@ def _work(d: Array) -> Array:
 
 
 @dataclass(frozen=True)
-class Stronge(AbstractLaw):
+class Stronge(YieldingSphere):
     """Stronge 2000; Big-Alabo, Cartmell & Harrison 2017, equation (2).
 
         x = 2δ/δ_y − 1 = (a/a_Y)²
@@ -41,19 +41,11 @@ class Stronge(AbstractLaw):
     """
 
     name: ClassVar[str] = "stronge"
-    family: ClassVar[Family] = "yields"
     summary: ClassVar[str] = (
         "elastic, logarithmic elastoplastic, fully plastic; Hertz unloading with R_d = (2δ/δy − 1)R"
     )
     source: ClassVar[str] = "Stronge 2000; Big-Alabo, Cartmell & Harrison 2017, equation (2)"
     validity: ClassVar[str] = "a/R below about 0.2; returns more than it stored between 1 and 2.54 V_Y"
-
-    effective_modulus: float
-    radius: float
-    yield_strength: float
-
-    def scales(self, energy: float) -> tuple[float, float]:
-        return yield_point(self.effective_modulus, self.radius, self.yield_strength)
 
     def stages(self) -> tuple[Stage, ...]:
         unloading = Unloading(radius_ratio=Power(constant=-1.0, slope=2.0, origin=0.0))

@@ -8,7 +8,7 @@ from typing import ClassVar
 
 from film_model.laws.law import AbstractLaw, Family, Parameter, Power, Stage
 from film_model.laws.unloading import brake_unloading
-from film_model.laws.yielding import limit_point
+from film_model.laws.yielding import limit_point, pressure_over
 
 
 @dataclass(frozen=True)
@@ -31,12 +31,7 @@ class Thornton(AbstractLaw):
     source: ClassVar[str] = "Thornton 1997, J. Appl. Mech. 64:383"
     validity: ClassVar[str] = "a/R below about 0.2; no strain hardening, one pressure from yield to full plasticity"
     parameters: ClassVar[Mapping[str, Parameter]] = {
-        "yield_pressure": Parameter(
-            "limiting contact pressure p_y, by default 1.6 times the strength",
-            "pressure",
-            required=False,
-            over_strength=1.6,
-        )
+        "yield_pressure": pressure_over(1.6, "limiting contact pressure p_y")
     }
 
     effective_modulus: float

@@ -13,6 +13,7 @@ import numpy as np
 from film_model.laws.adhesive import AdhesiveLaw
 from film_model.laws.jkr import PARTING, UNLOADED, jkr_force, jkr_scales
 from film_model.laws.law import ExampleBall, Parameter, Power, Stage, Unloading
+from film_model.laws.yielding import pressure_over
 
 WIDEST = 1024.0
 """The law ends where the contact radius is this many times that at yield."""
@@ -83,12 +84,7 @@ class ThorntonNing(AdhesiveLaw):
         "no yield by adhesion alone"
     )
     parameters: ClassVar[Mapping[str, Parameter]] = {
-        "yield_pressure": Parameter(
-            "limiting contact pressure p_y, by default 1.6 times the strength",
-            "pressure",
-            required=False,
-            over_strength=1.6,
-        )
+        "yield_pressure": pressure_over(1.6, "limiting contact pressure p_y")
     }
 
     yield_pressure: float

@@ -1,11 +1,14 @@
-"""The yield point of a sphere, for the elastoplastic laws."""
+"""The yield point of a sphere, and what the elastoplastic laws share."""
 
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
+from typing import ClassVar
 
 from film_model.base.arrays import root
 from film_model.laws.hertz import hertz_stiffness
+from film_model.laws.law import AbstractLaw, Family, Parameter
 
 YIELD_PRESSURE_RATIO = 1.1
 """Mean contact pressure at first yield over the yield strength, p_m = 1.1 S_y."""
@@ -26,6 +29,26 @@ def yield_point(effective_modulus: float, radius: float, yield_strength: float) 
     stiffness = hertz_stiffness(effective_modulus, radius)
     indentation = (YIELD_PRESSURE_RATIO * math.pi * radius * yield_strength / stiffness) ** 2
     return indentation, stiffness * indentation**1.5
+
+
+@dataclass(frozen=True)
+class YieldingSphere(AbstractLaw):
+    """A sphere that yields, in units of its yield point."""
+
+    family: ClassVar[Family] = "yields"
+
+    effective_modulus: float
+    radius: float
+    yield_strength: float
+
+    def scales(self, energy: float) -> tuple[float, float]:
+        return yield_point(self.effective_modulus, self.radius, self.yield_strength)
+
+
+def pressure_over(factor: float, what: str) -> Parameter:
+    """A contact pressure that is `factor` times the strength unless it is given."""
+    help = f"{what}, by default {factor:g} times the strength"
+    return Parameter(help, "pressure", required=False, over_strength=factor)
 
 
 def yield_velocity(effective_modulus: float, radius: float, yield_strength: float, mass: float) -> float:

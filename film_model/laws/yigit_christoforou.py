@@ -5,12 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
-from film_model.laws.law import AbstractLaw, Family, Power, Stage, Unloading
-from film_model.laws.yielding import yield_point
+from film_model.laws.law import Power, Stage, Unloading
+from film_model.laws.yielding import YieldingSphere
 
 
 @dataclass(frozen=True)
-class YigitChristoforou(AbstractLaw):
+class YigitChristoforou(YieldingSphere):
     """Yigit & Christoforou 1994, Compos. Eng. 4:1143.
 
         F = K δ^{3/2},  K = (4/3) E √R
@@ -21,17 +21,9 @@ class YigitChristoforou(AbstractLaw):
     """
 
     name: ClassVar[str] = "yigit-christoforou"
-    family: ClassVar[Family] = "yields"
     summary: ClassVar[str] = "elastic, then linear with the slope at yield; unloads along Hertz's curve shifted down"
     source: ClassVar[str] = "Yigit & Christoforou 1994, Compos. Eng. 4:1143"
     validity: ClassVar[str] = "a/R below about 0.2; moderate plasticity"
-
-    effective_modulus: float
-    radius: float
-    yield_strength: float
-
-    def scales(self, energy: float) -> tuple[float, float]:
-        return yield_point(self.effective_modulus, self.radius, self.yield_strength)
 
     def stages(self) -> tuple[Stage, ...]:
         shifted = Unloading(shifted=Power(constant=1.0))

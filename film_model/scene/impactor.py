@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import ClassVar, Literal, cast
+from typing import Literal, cast
 
 from film_model.base.arrays import cosine, root, sine
 from film_model.base.errors import Mistake, raise_all, shown
 from film_model.base.fields import InUnits, choice, entry, fill_ball, measure, mistake, one_of
 from film_model.base.materials import MASS, MATERIAL, Material, MaterialLike, sphere_mass
-from film_model.base.turning import SHAPES, TURNING, contradictions, inertia_number_of
+from film_model.base.turning import SHAPES, TURNING, Turning, contradictions
 from film_model.base.units import Value
 from film_model.scene.noses import OWN, VOLUMES
 
@@ -23,7 +23,7 @@ SLOWEST = 1e-100
 
 
 @dataclass(frozen=True, init=False, repr=False)
-class Sphere(InUnits):
+class Sphere(Turning, InUnits):
     """The impactor.
 
     radius: of the contacting surface, m; or, to the constructor, diameter. velocity: towards the target, m/s; or
@@ -41,7 +41,6 @@ class Sphere(InUnits):
     3.1315...
     """
 
-    is_ball: ClassVar[bool] = True
     radius: float = entry(measure("length", 1e-10, 1e3, required=True))
     velocity: float | None = entry(measure("velocity", 0, 2e4))
     drop_height: float | None = entry(measure("length", 0, 1e5))
@@ -113,16 +112,6 @@ class Sphere(InUnits):
     def tangential_speed(self) -> float:
         """The component of that velocity along the surface, m/s."""
         return self.path_speed * sine(0.0 if self.angle is None else self.angle)
-
-    @property
-    def inertia_number(self) -> float:
-        """J/(m R²)."""
-        return inertia_number_of(self)
-
-    @property
-    def diameter(self) -> float:
-        """Twice the radius, m."""
-        return 2.0 * self.radius
 
     @property
     def own_mass(self) -> float | None:

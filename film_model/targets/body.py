@@ -8,13 +8,13 @@ from typing import ClassVar, Literal
 from film_model.base.errors import raise_all
 from film_model.base.fields import entry, fill_ball, measure
 from film_model.base.materials import MASS, MATERIAL, Material, MaterialLike, sphere_mass
-from film_model.base.turning import TURNING, contradictions, inertia_number_of
+from film_model.base.turning import TURNING, Turning, contradictions
 from film_model.base.units import Value
 from film_model.targets.target import AbstractTarget
 
 
 @dataclass(frozen=True, init=False, repr=False)
-class Body(AbstractTarget):
+class Body(Turning, AbstractTarget):
     """A free body: a second ball.
 
     material: name or table. radius: m; or, to the constructor, diameter. mass: kg; default density × sphere volume.
@@ -28,7 +28,6 @@ class Body(AbstractTarget):
 
     kind: ClassVar[str] = "body"
     free: ClassVar[bool] = True
-    is_ball: ClassVar[bool] = True
     material: Material | None = entry(MATERIAL)
     radius: float = entry(measure("length", 1e-10, 1e3, required=True))
     mass: float | None = entry(MASS)
@@ -49,16 +48,6 @@ class Body(AbstractTarget):
         inertia: Value | None = None,
     ) -> None:
         raise_all(fill_ball(self, locals()) or contradictions(self))
-
-    @property
-    def inertia_number(self) -> float:
-        """J/(m R²)."""
-        return inertia_number_of(self)
-
-    @property
-    def diameter(self) -> float:
-        """Twice the radius, m."""
-        return 2.0 * self.radius
 
     @property
     def own_mass(self) -> float | None:

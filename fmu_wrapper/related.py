@@ -17,9 +17,6 @@ FOLDER = "extra/org.fmi-standard.fmi-ls-ref"
 RESULTS = "reference_results.csv"
 """Motion at the communication points of the default experiment, from the library, in SI units."""
 
-VERSION = "1.0.0-beta.1"
-"""Version of the layered standard; its own example says 1.0.0-alpha.1."""
-
 
 def related_files(component: ImpactComponent | None, experiment: Experiment) -> dict[str, bytes]:
     """The manifest and, for an impact, reference results. component: at its beginning, as the FMU is exported."""
@@ -41,7 +38,7 @@ def related_files(component: ImpactComponent | None, experiment: Experiment) -> 
         '<?xml version="1.0" encoding="UTF-8"?>\n'
         '<fmiReferences xmlns:fmi-ls="http://fmi-standard.org/fmi-ls-manifest"\n'
         '               fmi-ls:fmi-ls-name="org.fmi-standard.fmi-ls-ref"\n'
-        f'               fmi-ls:fmi-ls-version="{VERSION}"\n'
+        '               fmi-ls:fmi-ls-version="1.0.0-beta.1"\n'  # the standard's own example says 1.0.0-alpha.1
         '               fmi-ls:fmi-ls-description="Layered Standard providing information on related files included '
         'in an FMU.">\n'
         f"{rows}</fmiReferences>\n"

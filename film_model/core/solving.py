@@ -16,9 +16,6 @@ from film_model.core.native import FULL, START_DTYPE, SUMMARY_DTYPE, Curve, Mesh
 MOST_SEGMENTS, MOST_LINES = native.SOLVE.film("MOST_SEGMENTS", "MOST_LINES")
 """Segments of loading, and lines of a contact, beyond which no mesh is refined."""
 
-_FEW = 6
-"""Meshes that nearly all contacts need."""
-
 
 @lru_cache(maxsize=64)
 def doubled(linearisation: int, loading: int, unloading: int, count: int) -> tuple[Any, tuple[Mesh, ...]]:
@@ -32,7 +29,7 @@ def solve(
 ) -> tuple[int, Solution]:
     """Status and solution of one contact. first: segments of loading and unloading of the coarsest mesh."""
     found, most = Solution(), math.ceil(math.log2(MOST_SEGMENTS / first[0])) + 1
-    for count in (min(_FEW, most), most):
+    for count in (min(6, most), most):  # nearly all contacts need at most so many meshes
         meshes, _ = doubled(linearisation, *first, count)
         given = c.byref(curve), c.byref(start), meshes, count, accuracy, clearance, c.byref(found)
         status = library().film_solve(*given)

@@ -24,9 +24,6 @@ from film_model.problem.curve import can_be_in_series
 from film_model.problem.numbers import zener
 from film_model.problem.problem import Problem
 
-FIRST_ORDER_LOSS = 2 * 1.730173
-"""Energy an elastic impact loses to target motion, over Zener's λ, as λ → 0: e = 1 − 1.730173 λ."""
-
 
 class Support(NamedTuple):
     """How a target moves: by its impedance [N s/m], or statically with its compliance [m/N]; of many impacts, arrays.
@@ -115,5 +112,6 @@ def describe(problem: Problem, support: Support, moves: bool) -> Effect:
     if target.gives_way and wanted is False:
         state = off_state(size, tolerance)
     source = "Zener 1941, Phys. Rev. 59:669; marched with the target's motion and without"
-    threshold = agreeing(value, tolerance / FIRST_ORDER_LOSS, size, tolerance)
+    # as λ → 0, e = 1 − 1.730173 λ
+    threshold = agreeing(value, tolerance / (2 * 1.730173), size, tolerance)
     return Effect("target_motion", "Zener's λ", value, threshold, size, state, reason, source, cost)

@@ -9,9 +9,6 @@ from typing import Any, ClassVar
 
 from film_model.laws.law import AbstractLaw, ExampleBall, Family
 
-EXAMPLE_WORK = 0.05
-"""Work of adhesion of the gallery, J/m²: of oxidised metals in air, about."""
-
 
 @dataclass(frozen=True)
 class AdhesiveLaw(AbstractLaw):
@@ -25,7 +22,7 @@ class AdhesiveLaw(AbstractLaw):
 
     @classmethod
     def example(cls, ball: ExampleBall) -> Mapping[str, Any]:
-        return {"work_of_adhesion": EXAMPLE_WORK}
+        return {"work_of_adhesion": 0.05}  # of oxidised metals in air, about
 
     @classmethod
     def settle(cls, values: dict[str, Any]) -> dict[str, str]:

@@ -4,15 +4,11 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
+
 from film_model.base.materials import Material
 from film_model.base.units import format_si
 from film_model.targets.target import Estimate, Impact, missing
-
-EULER = 0.5772156649015329
-"""Euler's constant γ."""
-
-PLASTIC_SECTION = 1.5
-"""Bending moment of a rectangular section that yields throughout, over the moment at which it begins to yield."""
 
 
 def bending_stress(force: float, reach: float, contact_radius: float, thickness: float, poissons_ratio: float) -> float:
@@ -34,7 +30,7 @@ def reach_of(time: float, stiffness: float, surface_density: float) -> float:
     A unit impulse at a point gives the curvature ∇²w = −cos(r²/(4 b t))/(4π D t) (Sneddon's w, differentiated), and its
     integral over a constant force, averaged over a disc of radius c, is −(F/(2π D)) (ln(ℓ/c) + 1/2) for ℓ ≫ c.
     """
-    return math.sqrt(4.0 * math.sqrt(stiffness / surface_density) * time * math.exp(-EULER))
+    return math.sqrt(4.0 * math.sqrt(stiffness / surface_density) * time * math.exp(-np.euler_gamma))
 
 
 def bending_strength(
@@ -52,7 +48,8 @@ def bending_strength(
         return missing("yield_strength or tensile_strength of target.material")
     reach = min(reach, math.inf if shorter is None else 2.0 / math.pi * shorter)
     stress = bending_stress(impact.force, reach, impact.contact_radius, thickness, material.poissons_ratio)
-    value, threshold = stress / strength, 1.0 if brittle else PLASTIC_SECTION
+    # a rectangular section yields throughout at 1.5 times the moment at which it begins to yield
+    value, threshold = stress / strength, 1.0 if brittle else 1.5
     word = "strength" if brittle else "yield strength"
     reason = (
         f"in an elastic plate the bending stress under the contact would be {format_si(stress, 'pressure', 3)}, "

@@ -17,9 +17,6 @@ Array = NDArray[np.float64]
 Points: TypeAlias = tuple[tuple[float, ...], ...]
 """Points of a structure, m: its sensors."""
 
-RESOLVED = 10.0
-"""Highest frequency for the response to a half-sine over that of the half-sine; the modes above follow statically."""
-
 EQUAL = 1e-13
 """Relative difference of frequencies that is rounding: square plates have vibrations in pairs."""
 
@@ -81,7 +78,7 @@ def pulse_response(modes_up_to: Callable[[float], Modes], compliance: float, dur
     modes_up_to: modes below a frequency [rad/s]. compliance: of all modes together, m/N.
     """
     rate = math.pi / duration
-    modes = modes_up_to(RESOLVED * rate)
+    modes = modes_up_to(10.0 * rate)  # those above follow statically
     omega = modes.frequency[modes.frequency > 0.0] / rate
     share = modes.share[modes.frequency > 0.0] / rate**2
     at = np.abs(omega - 1.0) < 1e-6

@@ -29,9 +29,6 @@ have errors of ε/SHIFT = 2e-8, and smaller ones smaller errors."""
 RIGID = 1e-4
 """Eigenvalues over the shift below which they are 0 with rounding: a motion that nothing holds."""
 
-MASSLESS = 1e-14
-"""Eigenvalues of (M, K + shift M) over the largest, below which a vibration has no mass and follows statically."""
-
 NEEDS_PYUFF = 'universal files need pyuff: install film-model[modes] (pip install "film-model[modes]")'
 
 
@@ -167,7 +164,7 @@ def _vibrations(path: Path, stiffness: Array, inertia: Array) -> tuple[Array, Ar
     values, shapes = values[::-1], scale[:, None] * shapes[:, ::-1]
     if not values[0] > 0.0 or values[-1] < -1e-9 * values[0]:
         raise ValueError(f"{path}: the mass is not positive")
-    kept = values > MASSLESS * values[0]
+    kept = values > 1e-14 * values[0]  # below, a vibration has no mass and follows statically
     values, shapes = values[kept], shapes[:, kept] / np.sqrt(values[kept])
     square = 1.0 / values - shift
     return np.where(square < RIGID * shift, 0.0, square), shapes

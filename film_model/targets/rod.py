@@ -35,10 +35,6 @@ def _read_far_end(value: object) -> Any:
 FAR_END = Field(_read_far_end, "free, fixed or an impedance", required=True, dimension="impedance")
 
 
-RETURNED = 0.3
-"""Time from the centre of the impulse to the end of contact over 2L/c, up to which no wave has returned for certain."""
-
-
 @dataclass(frozen=True, init=False, repr=False)
 class Rod(AbstractTarget):
     """A long thin rod struck on its end.
@@ -147,7 +143,7 @@ class Rod(AbstractTarget):
 
     def reflection_change(self, motion: Any, restitution: Any, delay: Any) -> Any:
         """0 if contact ends before the wave returns, by a margin; otherwise 1, a bound."""
-        return either(delay > RETURNED, 1.0, 0.0) + 0.0 * motion
+        return either(delay > 0.3, 1.0, 0.0) + 0.0 * motion
 
     def reflections(self, impact: Impact) -> Estimate:
         """The wave that returns after 2L/c moves the struck end by 2/Z times the impulse (of a half-sine) given up to

@@ -22,6 +22,17 @@ import film_datasets as fd
 import film_model as fm
 from examples.finite_elements.against_laws import COMPARED, FASTEST, Runs, errors, runs_of
 from examples.model_intervals import coverage, coverage_from_others, coverage_of_new_sources, slow_predictions
+from examples.validation_inputs import (
+    FAST,
+    NEAR,
+    ROUGH,
+    Spread,
+    elastic,
+    flow_of,
+    inputs_of,
+    own_numbers,
+    within_input,
+)
 from film_datasets.evidence import evidence_rows
 from film_model.laws import LAWS
 from film_model.plot.validation import RESTITUTION as REBOUND
@@ -32,24 +43,16 @@ from film_model.scene import Solver
 from film_model.solve.batch import simulate_many
 from film_model.studies.validation import (
     AUTO,
-    FAST,
     GROUPS,
-    NEAR,
-    ROUGH,
     TESTED,
     LawReport,
     Prediction,
-    Spread,
     absolute,
     compare,
-    elastic,
     error_cell,
-    inputs_of,
-    own_numbers,
     predict,
-    within_input,
 )
-from film_model.studies.validation_rows import JOHNSON_COOK, Row, flow_of, steels
+from film_model.studies.validation_rows import JOHNSON_COOK, Row, steels
 
 DOCS = Path(__file__).parent.parent / "docs"
 CHOOSING = DOCS / "understand" / "choosing_a_law.md"

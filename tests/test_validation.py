@@ -9,28 +9,31 @@ import pytest
 from test_examples import EXAMPLES
 
 import film_datasets as fd
-from film_datasets.evidence import evidence_from_csv, evidence_rows
-from film_model.cli.main import main
-from film_model.solve.simulate import simulate_quietly
-from film_model.studies.validation import (
-    AUTO,
+from examples.validation_inputs import (
     BY_NAME,
     COMPLETE,
     FAST,
-    GROUPS,
     ROUGH,
-    TESTED,
     Spread,
-    compare,
     elastic,
+    flow_of,
     inputs_of,
-    median,
     own_numbers,
-    predict,
-    scene_of,
     within_input,
 )
-from film_model.studies.validation_rows import LARGEST_INPUT_UNCERTAINTY, material, nearest_rate, steels
+from film_datasets.evidence import evidence_from_csv, evidence_rows
+from film_model.base.flow_stress import flow_of_hardness
+from film_model.base.hardness import VICKERS
+from film_model.cli.main import main
+from film_model.solve.simulate import simulate_quietly
+from film_model.studies.validation import AUTO, GROUPS, TESTED, compare, median, predict, scene_of
+from film_model.studies.validation_rows import JOHNSON_COOK, LARGEST_INPUT_UNCERTAINTY, material, steels
+
+
+def nearest_rate(vickers):
+    """C of that steel of Johnson & Cook of which the flow stress is nearest to that of a steel of this hardness, HV."""
+    flow = flow_of_hardness(VICKERS * vickers)
+    return JOHNSON_COOK[min(JOHNSON_COOK, key=lambda name: abs(flow_of(name) - flow))][3]
 
 
 @pytest.fixture(scope="module")

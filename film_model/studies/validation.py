@@ -14,10 +14,10 @@ from film_model.laws import LAWS
 from film_model.laws.example_ball import example_ball, example_law
 from film_model.problem.curve import curve_of
 from film_model.problem.law_of_scene import ASSUMED_POISSONS_RATIO, ELASTIC, YIELDING
-from film_model.problem.model_intervals import ABOVE, family_of
+from film_model.problem.model_intervals import family_of
 from film_model.scene import Contact, Effects, Scene, Sphere
 from film_model.solve.simulate import simulate_quietly
-from film_model.studies.validation_rows import JOHNSON_COOK, Row, material
+from film_model.studies.validation_rows import Row, material
 from film_model.targets import HalfSpace, Plate
 
 AUTO = "auto"
@@ -31,42 +31,6 @@ GROUPS: dict[str, Callable[[Row], bool]] = {
     "theory": lambda row: row.kind == "theory",
 }
 """Groups of rows whose errors are shown."""
-
-
-COMPLETE, BY_NAME = "complete: hardness and rate", "steel of the catalogue by name"
-FAST = "rebounds beyond 50 yield velocities"
-ROUGH = "hardness not known within ±10 %"
-"""Inputs that are compared, in words."""
-
-NEAR = 0.1
-"""Error within which a measured value counts as met."""
-
-
-class Spread(NamedTuple):
-    """Errors of some values: how many; of the absolute ones the median, that of 90 % of them, the share within `NEAR`
-    and the largest; and the median with its sign."""
-
-    rows: int
-    median: float
-    most: float
-    near: float
-    worst: float
-    bias: float
-
-    @classmethod
-    def of(cls, found: Iterable[Prediction]) -> Spread:
-        """Of the values that were simulated, at least one."""
-        signed = [p.error for p in found if not math.isnan(p.value)]
-        errors = sorted(map(abs, signed))
-        near = sum(error <= NEAR for error in errors) / len(errors)
-        return cls(
-            len(errors),
-            statistics.median(errors),
-            errors[int(0.9 * len(errors))],
-            near,
-            errors[-1],
-            statistics.median(signed),
-        )
 
 
 class Prediction(NamedTuple):
@@ -138,16 +102,6 @@ def compare(rows: Sequence[Row], laws: Sequence[str] = TESTED) -> list[LawReport
     return sorted(reports, key=lambda r: (r.law != AUTO, median(r.errors(GROUPS["measured"])) or math.inf))
 
 
-def elastic(rows: Sequence[Row]) -> list[Prediction]:
-    """Hertz's law on theories of elastic contacts."""
-    return [predict(ELASTIC, row) for row in rows if row.kind == "theory" and not row.yields]
-
-
-def own_numbers(rows: Sequence[Row]) -> list[Prediction]:
-    """What laws give for values computed with them, or fitted by their own authors: they confirm no law."""
-    return [predict(row.law, row) for row in rows if row.kind in ("own_fit", "same_law")]
-
-
 def _report(law: str, rows: Sequence[Row]) -> LawReport:
     predictions = tuple(predict(law, row) for row in rows)
     restitution = [p.value for p in predictions if p.row.quantity == "coefficient_of_restitution"]
@@ -156,37 +110,6 @@ def _report(law: str, rows: Sequence[Row]) -> LawReport:
     first = next((scene_of(AUTO, row) for row in rows if row.yields or row.usable), None)
     said = () if first is None else curve_of(_law_of(name, first)).rises
     return LawReport(law, predictions, largest, tuple(f"from {r.low:.3f} to {r.high:.3f}" for r in said))
-
-
-def inputs_of(rows: Iterable[Row]) -> dict[str, list[Prediction]]:
-    """What law "auto" gives for measured rows with complete conditions, with other inputs, and for those of which the
-    hardness is not known well: by input, in words. Fast rebounds with waves and hardening, too."""
-    own = list(rows)
-    hard = [row for row in own if row.usable and row.hardness is not None]
-    groups = {
-        COMPLETE: [row for row in own if row.usable],
-        **{f"every steel with C = {c}": [row.with_rate(c) for row in hard] for *_, c in JOHNSON_COOK.values()},
-        "hardness without rate": [row.with_rate(None) for row in hard],
-        BY_NAME: [row.by_name for row in hard],
-        ROUGH: [row for row in own if row.rough],
-    }
-    found = {name: [predict(AUTO, row) for row in group] for name, group in groups.items()}
-    fast = [p for p in found[COMPLETE] if p.family == ABOVE and p.row.quantity == "coefficient_of_restitution"]
-    waves = [predict(AUTO, p.row, {"effects.wave_losses": True}) for p in fast]
-    hardening = [predict(AUTO, p.row.hardening) for p in fast]
-    return found | {FAST: fast, f"{FAST}, waves forced": waves, f"{FAST}, hardening": hardening}
-
-
-def within_input(rows: Iterable[Row]) -> tuple[int, int]:
-    """Of the rows of which the hardness is known, but not well: how many law "auto" meets with a hardness in its range,
-    and how many there are."""
-    known = [row for row in rows if row.rough and row.input_uncertainty == row.input_uncertainty]
-    met = 0
-    for row in known:
-        ends = (1.0 - row.input_uncertainty, 1.0 + row.input_uncertainty)
-        low, high = sorted(predict(AUTO, row.with_hardness((row.hardness or 0.0) * end)).value for end in ends)
-        met += low <= row.value <= high
-    return met, len(known)
 
 
 def predict(law: str, row: Row, changes: Mapping[str, Any] | None = None) -> Prediction:

@@ -7,7 +7,7 @@ import re
 import tomllib
 from typing import Any, NamedTuple
 
-from film_model.base.flow_stress import REPRESENTATIVE_STRAIN, flow_of_hardness, johnson_cook_exponent
+from film_model.base.flow_stress import johnson_cook_exponent
 from film_model.base.hardness import VICKERS
 from film_model.base.materials import catalogue
 
@@ -23,18 +23,6 @@ JOHNSON_COOK = {
 
 _HARDNESS = re.compile(r'hardness = "([0-9.]+) HV"')
 _RATE = re.compile(r", strain_rate_coefficient = ([0-9.]+)")
-
-
-def flow_of(name: str) -> float:
-    """Flow stress A + B ε^n of one of these steels in slow loading, at the strain of a Vickers indentation, Pa."""
-    strength, coefficient, exponent, _ = JOHNSON_COOK[name]
-    return strength + coefficient * REPRESENTATIVE_STRAIN**exponent
-
-
-def nearest_rate(vickers: float) -> float:
-    """C of that steel of Johnson & Cook of which the flow stress is nearest to that of a steel of this hardness, HV."""
-    flow = flow_of_hardness(VICKERS * vickers)
-    return JOHNSON_COOK[min(JOHNSON_COOK, key=lambda name: abs(flow_of(name) - flow))][3]
 
 
 def steels() -> dict[str, float]:

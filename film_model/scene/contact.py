@@ -207,10 +207,9 @@ def _read_parameters(law: str | AbstractLaw, given: Mapping[str, object], read: 
                 mistakes.append(Mistake(None, None, key, f'missing: law "{law}" needs it ({parameter.help})'))
             continue
         try:
-            if parameter.dimension != "meyer_stiffness":
-                read[name] = _read_parameter(parameter, given[name])
-            elif (exponent := _exponent(law, read)) is not None:
-                read[name] = _checked(parameter, given[name], power_stiffness_to_si(given[name], exponent))
+            exponent = _exponent(law, read)
+            if parameter.dimension != "meyer_stiffness" or exponent is not None:
+                read[name] = _parameter_field(parameter, exponent).read(given[name])
         except ValueError as error:
             mistakes.append(Mistake(None, None, key, str(error)))
     if known and not mistakes:
@@ -220,8 +219,6 @@ def _read_parameters(law: str | AbstractLaw, given: Mapping[str, object], read: 
 
 
 def _read_parameter(parameter: Parameter, value: object) -> Any:
-    if parameter.choices:
-        return choice(*parameter.choices).read(value)
     if parameter.dimension == "file":
         return words("the path of a file").read(value)
     if parameter.several:

@@ -80,18 +80,6 @@ static void run_rest(batch *b) {
     }
 }
 
-static void give(batch_job *j, const film_curve *curve, const film_mesh *mesh, const film_start *start,
-                 film_summary *summary, int32_t *status) {
-    j->curve = curve;
-    j->mesh = mesh;
-    j->start = start;
-    j->summary = summary;
-    j->status = status;
-    j->family = NULL;
-    j->spring = NULL;
-    j->shaped = -1;
-}
-
 /* Puts each impact into its block and runs full blocks. One call takes the undamped impacts under a load that lanes may run
  * (j->loaded), the other the rest. Returns how many are left for the other call. */
 static int64_t sort_impacts(batch *b, int64_t count, int in_lanes, int moving) {

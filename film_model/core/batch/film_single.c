@@ -55,26 +55,12 @@ static int run_fixed(batch_job *j, double nu) {
     return 0;
 }
 
-/* One impact on a curve, to be run by the lanes' code. */
-static void give_one(batch_job *j, const film_curve *curve, const film_mesh *mesh, const film_start *start, film_summary *summary,
-                     int32_t *status) {
-    j->curve = curve;
-    j->mesh = mesh;
-    j->start = start;
-    j->summary = summary;
-    j->status = status;
-    j->family = NULL;
-    j->spring = NULL;
-    j->loaded = 0;
-    j->shaped = -1;
-}
-
 int film_single(const film_curve *curve, const film_mesh *mesh, const film_start *start, film_summary *summary, int32_t *status) {
     batch b;
     block one = {{0}, 1};
     double stored;
     b.run = &one_lane;
-    give_one(&b.j, curve, mesh, start, summary, status);
+    give(&b.j, curve, mesh, start, summary, status);
     b.j.loaded = start->load > 0.0;
     if (by_quadrature(&b.j, start) && start->damping == 0.0) return run_fixed(&b.j, start->nu);
     if (start->damping != 0.0) {
@@ -103,7 +89,7 @@ void film_single_in_series(const film_curve *curve, const film_mesh *mesh, int64
     for (int64_t i = 0; i < count; i++) {
         int32_t stage = 0, piece = -1;
         for (int32_t k = 0; k < varying; k++) doubles[places[k]] = values[i * varying + k];
-        give_one(&j, &own, mesh, &start[i], &summary[i], &status[i]);
+        give(&j, &own, mesh, &start[i], &summary[i], &status[i]);
         j.spring = &compliance[i];
         status[i] = LEFT_ALONE;
         if (!is_plain(&j, &start[i]) || !film_prepare_job(&j)) continue;

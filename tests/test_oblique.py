@@ -166,6 +166,15 @@ def test_coarse_steps_are_as_exact_as_they_say(coarse, share):
     assert found["steps"][above].sum() < share * exact["steps"][above].sum()
 
 
+def test_a_step_meets_an_event_where_it_falls_rises_and_falls():
+    """z' - |D'| is below 0 in a part of a coarse step, at whose end it falls again."""
+    normal = of_hertz(2)
+    normal["slope"][1] = 1e-12  # not in the table
+    rate, before = np.full(2, 7.998194980114871), np.full(2, 0.41835027524039703)
+    exact, coarse = (core.many(normal, rate, before, level)["velocity"] for level in (core.EXACT, core.COARSE))
+    assert coarse == pytest.approx(exact, rel=1e-9)
+
+
 def of_hertz(count):
     normal = np.zeros(count, core.NORMAL_DTYPE)
     normal["coefficient"], normal["exponent"], normal["approach"] = 1.25, 1.5, 1.0

@@ -12,11 +12,11 @@
 #include <math.h>
 #include <string.h>
 
-enum { ROOT_STEPS = 80 }; /* bisections that leave no double between, with a margin */
+enum { ROOT_STEPS = 200 }; /* towards a root where the slope is 0 too, which halve what is left, or nearly so */
 
 /* last terms of a step, over the scale, exact, coarse and quick; 30 reference values need 1e-13 */
 static const double TOLERANCE[3] = {1e-15, 1e-10, 3e-7};
-static const double ROUNDED = 4e-16; /* of a root, relative: Newton's steps are rounding from there on */
+static const double ROUNDED = 4e-16; /* of a root, relative: steps are rounding from there on */
 static const double LONGEST = 0.5; /* of a step, in units of time: a few steps in a contact, which takes about 3 */
 static const double HIGHEST = 5.0; /* exponent of closed sliding, for the rule of its time */
 static const double NEAR = 0.5; /* of the way to z = 0, the longest quick step */
@@ -291,36 +291,19 @@ static double value_at(const double *series, double t, double *slope) {
     return sum;
 }
 
-/* Where a series falls through 0, or within rounding of it, between low, where it is positive, and high: Newton, within the
- * bracket. */
-static double between(const double *series, double low, double high) {
-    double t = 0.5 * (low + high);
-    for (int step = 0; step < ROOT_STEPS; step++) {
-        double slope, value = value_at(series, t, &slope);
-        if (value > 0.0) low = t;
-        else high = t;
-        double next = slope < 0.0 ? t - value / slope : low;
-        if (fabs(next - t) <= ROUNDED * t) return fmax(next, t);
-        if (!(next > low && next < high)) next = 0.5 * (low + high);
-        if (next == t || next <= low || next >= high) break;
-        t = next;
-    }
-    return high;
-}
-
 double film_friction_root(const double *series, const film_powers *end) {
-    double h = end->t, low = 0.0, high = h;
-    if (series[0] <= 0.0) return 0.0;
-    if (film_friction_sum(series, end->value) <= 0.0) return between(series, 0.0, h);
-    if (series[1] >= 0.0 || film_friction_sum(series, end->slope) <= 0.0) return 2.0 * h;
-    for (int step = 0; step < ROOT_STEPS && high > low; step++) { /* it falls and rises: its least value may be below 0 */
-        double slope, middle = 0.5 * (low + high), value = value_at(series, middle, &slope);
-        if (value <= 0.0) return between(series, 0.0, middle);
-        if (value > fabs(slope) * (high - low)) break; /* above 0 by the tangent, and twice as far */
-        if (slope < 0.0) low = middle;
-        else high = middle;
+    double sum[2] = {0.0, 0.0}, t = 0.0, value = series[0], slope = series[1];
+    for (int k = 2; k < FILM_TERMS; k++) sum[k % 2] += (k - 1) * fabs(series[k]) * end->slope[k];
+    double bend = end->t > 0.0 ? (sum[0] + sum[1]) / end->t : 0.0;
+    /* value + slope dt - bend/2 dt^2 is a lower bound: a step to where it is 0 passes no root */
+    for (int step = 0; step < ROOT_STEPS && value > 0.0; step++) {
+        double dt = 2.0 * value / (sqrt(slope * slope + 2.0 * bend * value) - slope);
+        if (dt <= ROUNDED * t) break;
+        t += dt;
+        if (!(t <= end->t)) return 2.0 * end->t;
+        value = value_at(series, t, &slope);
     }
-    return 2.0 * h;
+    return t;
 }
 
 /* Time from z = 0 to the speed nu > 0 under one power alone: z^(n + 1) = sin^2 theta, nu = cos theta; over theta^(2/(n + 1)) by Gauss's

@@ -304,6 +304,22 @@ def with_mass(law, speed, mass):
     return fm.Scene(ball, fm.HalfSpace(), contact=fm.Contact(law), effects=fm.Effects(gravity=False))
 
 
+@pytest.mark.parametrize("segments", [4, 8, 16])
+def test_a_weight_that_turns_the_ball_soon_after_its_release(segments):
+    """Just fast enough for the force of a linear dashpot to fall to 0 before it rises again: c g + k y = 0 there."""
+    ratio, stiffness, speed = spring_ratio(0.6), 3e5, 7.429863162664e-3
+    contact = fm.Contact("linear-dashpot", stiffness="300 kN/m", restitution=0.6)
+    ball = fm.Sphere("10 mm", "1 m/s", material="bearing steel")
+    heavy = fm.Scene(ball, fm.HalfSpace("bearing steel"), contact, fm.Effects(gravity=True))
+    faster, slower = (
+        fm.simulate(heavy.replace({"impactor.velocity": f"{speed * factor!r} m/s"}), segments=segments)
+        for factor in (1.0 + 1e-9, 1.0 - 1e-9)
+    )
+    assert faster.outcome is fm.Outcome.SEPARATED and slower.outcome is not fm.Outcome.SEPARATED
+    leaving = 2.0 * ratio * math.sqrt(heavy.mass / stiffness) * 9.80665
+    assert -faster.summary["rebound_velocity"] == pytest.approx(leaving, rel=1e-3)
+
+
 @pytest.mark.parametrize("name", DAMPED)
 def test_a_ball_bounces_lower_each_time_and_comes_to_rest(name):
     ball = scene(name)

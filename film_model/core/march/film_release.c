@@ -2,7 +2,7 @@
  * F = f + c xi' and xi' = nu - gamma F, so a damped contact ends where F falls to 0, before its dent closes at f = 0. */
 #include "march/film_march.h"
 
-/* The place of the largest force is sought to this fraction of the way; the force there differs by the square of that.
+/* The place of the largest or least force is sought to this fraction of the way; the force there differs by the square of that.
  * Accuracy and cost only: of core_check.c only the hash sees it. */
 static const double PEAK_TOLERANCE = 1e-6;
 
@@ -36,14 +36,19 @@ static double force_inside(const film_curve *curve, const film_state *s, double 
     return total_force(&s->line, damping_at(curve, &s->line, at), f, nu);
 }
 
-/* Whether F is negative somewhere within the line just made. */
-static int releases_between(const film_curve *curve, const film_state *s) {
-    double values[5];
-    for (int k = 0; k < GAUSS; k++) {
-        film_evaluate(curve, &s->line, GAUSS_AT[k] * s->tau_end, values);
-        if (force_inside(curve, s, values[0], values[3]) < 0.0) return 1;
+/* Ends the bracket where F is least, if F falls at first on the line just made and rises at its end. */
+static void end_at_least(const film_curve *curve, const film_state *s, bracket *b) {
+    double values[5], at = 0.5 * s->tau_end;
+    bracket rates = {0.0, s->tau_end, -film_force_rate(curve, s, s->xi, s->nu), -film_force_rate(curve, s, s->xi_end, s->nu_end)};
+    if (!(rates.above > 0.0 && rates.below < 0.0)) return;
+    for (int k = 0; k < PEAK_ITERATIONS; k++) {
+        film_evaluate(curve, &s->line, at, values);
+        double next = narrow(&rates, at, -film_force_rate(curve, s, values[0], values[3]), k);
+        if (fabs(next - at) <= PEAK_TOLERANCE * s->tau_end) break;
+        at = next;
     }
-    return 0;
+    b->high = s->direction * (values[0] - s->xi);
+    b->below = force_inside(curve, s, values[0], values[3]);
 }
 
 /* Seeks, within b, the length of a line at whose end F is 0. falls: F is known to be negative at b.high. Returns 1 if a line
@@ -97,7 +102,8 @@ void film_end_at_release(const film_curve *curve, const film_mesh *mesh, film_st
     if (!(b.high > 0.0) || (never && s->load > 0.0)) return;
     if (!never) {
         b.below = force_inside(curve, s, s->xi_end, s->nu_end);
-        if (b.below >= 0.0 && !(s->load > 0.0 && releases_between(curve, s))) return;
+        if (b.below >= 0.0 && s->load > 0.0) end_at_least(curve, s, &b); /* the load may turn it after a release */
+        if (b.below >= 0.0) return;
     }
     if (!seek_release(curve, mesh, s, b, !never)) *s = whole;
 }

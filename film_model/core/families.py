@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import ctypes as c
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from film_model.core import native
+from film_model.core.records import EVENTS, LINES
 
 
 @native.CORE.structure("film_family")
@@ -30,6 +31,11 @@ class Family(c.Structure):
         end, rest = np.split(self.memory, [self.nodes])
         places, table = np.split(rest, [self.varying])
         return Family.of, (self.low, self.high, end, places.astype(int).tolist(), table)
+
+
+@native.MANY.structure("film_motions")
+class _Room(c.Structure):
+    """Memory for the motions of many contacts."""
 
 
 def shaped(family: Family, whole: native.Curve, shape: float | NDArray[np.float64]) -> native.Curve:
@@ -84,31 +90,64 @@ def batch_varied(
     return status, summary
 
 
-def batch_in_series(
-    curve: native.Curve,
-    family: tuple[Family, native.Curve, NDArray[np.float64]] | None,
-    varied: tuple[native.Curve, NDArray[np.int32], NDArray[np.float64]] | None,
-    compliance: NDArray[np.float64],
-    cut: native.Mesh,
-    start: NDArray[Any],
-    using: int | None = None,
-) -> tuple[NDArray[np.int32], NDArray[Any]]:
-    """Statuses and summaries of many contacts (START_DTYPE), each in series with its own spring; the GIL is released.
+class Rows(NamedTuple):
+    """The curves of many contacts. curve: of all; or family: with its curve, and the shape of each; or varied: as in
+    `batch_varied`. compliance: of a spring of each in series, δ_s/F_s."""
 
-    curve: of all; or family: with its curve, and the shape of each; or varied: as in `batch_varied`. compliance: of the
-    springs, δ_s/F_s.
-    """
+    curve: native.Curve
+    family: tuple[Family, native.Curve, NDArray[np.float64]] | None = None
+    varied: tuple[native.Curve, NDArray[np.int32], NDArray[np.float64]] | None = None
+    compliance: NDArray[np.float64] | None = None
+
+    def arguments(self) -> tuple[tuple[Any, tuple[Any, ...]], list[Any]]:
+        """The curve, and compliance, family, shape, varying, places and values, of the core's functions; and what they
+        point to."""
+        family, curve, shape = (None, self.curve, None) if self.family is None else self.family
+        curve, places, values = (curve, None, None) if self.varied is None else self.varied
+        own = [None if a is None else np.ascontiguousarray(a, np.float64) for a in (self.compliance, shape, values)]
+        at = [None if a is None else a.ctypes.data for a in own]
+        which = (0, None) if places is None else (places.size, places.ctypes.data)
+        return (c.byref(curve), (at[0], None if family is None else c.byref(family), at[1], *which, at[2])), own
+
+
+def batch_in_series(
+    rows: Rows, cut: native.Mesh, start: NDArray[Any], using: int | None = None
+) -> tuple[NDArray[np.int32], NDArray[Any]]:
+    """Statuses and summaries of many contacts (START_DTYPE), in series with their springs; the GIL is released."""
     start = np.ascontiguousarray(start, native.START_DTYPE)
-    of, curve, shape = (None, curve, None) if family is None else family
-    curve, places, values = (curve, None, None) if varied is None else varied
-    columns = [np.ascontiguousarray(values, np.float64) for values in (compliance, shape, values) if values is not None]
-    spring, own = columns[0].ctypes.data, columns[1].ctypes.data if len(columns) > 1 else None
+    (curve, differing), _held = rows.arguments()
     summary, status = np.empty(start.size, native.SUMMARY_DTYPE), np.empty(start.size, np.int32)
     native.library().film_batch_in_series(
         native.instructions() if using is None else using,
-        *(c.byref(curve), c.byref(cut), start.size, start.ctypes.data, spring),
-        *(None if of is None else c.byref(of), None if of is None else own),
-        *((0, None, None) if places is None else (places.size, places.ctypes.data, own)),
+        *(curve, c.byref(cut), start.size, start.ctypes.data, *differing),
         *(summary.ctypes.data, status.ctypes.data),
     )
     return status, summary
+
+
+class Motions(NamedTuple):
+    """Forces and depths of many contacts, over scales, (contacts, times); nan without a record. slope: of the force, of
+    a reversible law. power: of the contact radius with which the depth of each grows."""
+
+    force: NDArray[np.float64]
+    depth: NDArray[np.float64]
+    slope: NDArray[np.float64] | None
+    power: NDArray[np.float64]
+
+
+def motions(rows: Rows, cut: native.Mesh, start: NDArray[Any], times: NDArray[np.float64], reversible: bool) -> Motions:
+    """The motions of many contacts (START_DTYPE) at ascending times (contacts, times), by lines."""
+    start, times = np.ascontiguousarray(start, native.START_DTYPE), np.ascontiguousarray(times, np.float64)
+    (curve, differing), _held = rows.arguments()
+    force, depth, slope = (np.empty(times.shape) for _ in range(3))
+    power, sampled = np.empty(len(times)), np.empty(5 * times.shape[1])
+    most = 4 * LINES
+    lines, events = np.empty(most, native.LINE_DTYPE), np.empty(EVENTS * native.STATE_DTYPE.itemsize, np.uint8)
+    memory = [array.ctypes.data for array in (lines, events, sampled)]
+    room = _Room(*memory, times.shape[1], most, EVENTS, native.instructions(), 0)
+    found = [array.ctypes.data for array in (times, force, depth)]
+    native.library().film_motions_many(
+        *(c.byref(room), curve, c.byref(cut), start.size, start.ctypes.data, *differing),
+        *(*found, slope.ctypes.data if reversible else None, power.ctypes.data),
+    )
+    return Motions(force, depth, slope if reversible else None, power)

@@ -18,6 +18,7 @@ from film_model.base.arrays import ALL, Array, Index, Number, any_of, column, ei
 from film_model.base.errors import SimulationError
 from film_model.core import native
 from film_model.core.columns import Columns
+from film_model.core.families import Motions
 from film_model.laws.law import AbstractLaw
 from film_model.problem.curve import Curve, curve_of, curve_on
 from film_model.problem.law_of_scene import SceneLaw, law_named
@@ -302,9 +303,16 @@ class Problem:
         refuse_relaxation(self, "a march on lines")
         if not self.impacts.many:
             return native.marched(self.curve.native, mesh, self.start)
-        one = self.impacts.curve if self.own.springs_alone else self.curve
-        status, table = self.own.march(one, mesh, self.start)
+        status, table = self.own.march(self._shared_curve, mesh, self.start)
         return status, Columns(table)
+
+    def motions(self, mesh: native.Mesh, times: Array) -> Motions:
+        """Of many impacts, by lines, at times over the scales, (impacts, times)."""
+        return self.own.motions(self._shared_curve, mesh, self.start, times, self.curve.reversible)
+
+    @property
+    def _shared_curve(self) -> Curve:
+        return self.impacts.curve if self.own.springs_alone else self.curve
 
     def relax(self, tolerance: float) -> tuple[Any, Any]:
         """The same for a contact that relaxes. tolerance: of the core's steps."""

@@ -13,13 +13,11 @@ from film_model.base.arrays import Array, Index, column
 from film_model.core import native
 from film_model.core import springs as core
 from film_model.core.friction import COARSE, ERRORS, EXACT, QUICK
-from film_model.core.records import Lines, recorded, sample_many
 from film_model.core.solving import MOST_SEGMENTS
 from film_model.oblique import springs
-from film_model.oblique.friction import THROUGHOUT, elastic_radius, normal_impulse, radius_beyond_yield, results, slid
+from film_model.oblique.friction import THROUGHOUT, normal_impulse, radius_beyond_yield, results, slid
 from film_model.oblique.result import REGIMES
 from film_model.problem.problem import Problem
-from film_model.problem.scales import motion_of
 from film_model.scene import DEFAULT_ACCURACY, Solver
 from film_model.scene.rolling import sliding_of
 from film_model.solve.accuracy import mesh_of
@@ -85,45 +83,21 @@ class _Motions:
         with which the depth of each grows with its radius."""
         problem, times = self.problem.part(places), np.linspace(0.0, 1.0, steps + 1) * self.durations[places, None]
         scales = problem.scales.part((slice(None), None))
-        ahead, values = times / scales.time, np.full((5, *times.shape), np.nan)
-        own, curves = self.segments[places], list(_curves(problem))
-        for of, curve in curves:
-            for counts in sorted(set(map(tuple, own[of].tolist()))):
-                alike, mesh = of[(own[of] == counts).all(axis=1)], mesh_of(self.solver, counts)
-                for part, lines in recorded(curve, mesh, problem.start[alike]):
-                    some = alike[part][lines.counts > 0]
-                    lines = Lines(lines.table, lines.counts[lines.counts > 0])
-                    values[:, some] = sample_many(curve, lines, ahead[some])
-        seen = motion_of(scales, problem.drift[:, None], problem.share[:, None], problem.free, times, values)
-        force, depth = np.maximum(seen["contact_force"], 0.0), seen["indentation"]
-        return times, force, *_radii(problem, curves, depth, force)
-
-
-def _radii(
-    problem: Problem, curves: list[tuple[Index, native.Curve]], depth: Array, force: Array
-) -> tuple[Array, Array]:
-    """Contact radii, as in :func:`film_model.oblique.friction.contact_radii`, of a law that yields under the first
-    model; and the powers."""
-    powers, radius = np.empty(len(depth)), np.empty(depth.shape)
-    for of, curve in curves:
-        powers[of] = core.power(curve)
-        if problem.curve.reversible:
-            own = problem.part(of)
-            scales, modulus = own.scales.part((slice(None), None)), column(own.scene.effective_modulus, of.size)
-            radius[of] = elastic_radius(curve, scales, modulus[:, None], depth[of], force[of])
-    if not problem.curve.reversible:
+        own, reversible, size = self.segments[places], problem.curve.reversible, (places.size, steps + 1)
+        force, depth, slope, power = *np.full((3, *size), np.nan), np.empty(places.size)
+        for counts in sorted(set(map(tuple, own.tolist()))):
+            of = np.flatnonzero((own == counts).all(axis=1))
+            part, mesh = problem.part(of), mesh_of(self.solver, counts)
+            seen = part.motions(mesh, times[of] / scales.time[of])
+            force[of], depth[of], power[of] = seen.force, seen.depth, seen.power
+            if seen.slope is not None:
+                slope[of] = seen.slope
+        force, depth = np.maximum(force * scales.force, 0.0), depth * scales.length
+        if reversible:
+            modulus = column(problem.scene.effective_modulus, places.size)[:, None]
+            return times, force, slope * (scales.force / scales.length) / (2.0 * modulus), power
         radius, _ = core.radii(force, depth, radius_beyond_yield(problem, depth.T, force.T).T, 1.0)
-    return radius, powers
-
-
-def _curves(problem: Problem) -> Iterator[tuple[Index, native.Curve]]:
-    """Places of the impacts of each curve."""
-    own = problem.own
-    if own.alike:
-        yield np.arange(problem.approach.size), problem.curve.native
-        return
-    for places in own.groups():
-        yield places, own.part(places).first(lambda: problem.impacts.curve.native)
+        return times, force, radius, power
 
 
 def _followed(

@@ -26,6 +26,21 @@ void film_run_rows(int instructions, const film_family *family, const film_curve
 void film_impacts_left(const film_family *family, const film_curve *whole, const film_mesh *mesh, int64_t count,
                        const film_start *start, const double *shape, film_summary *summary, int32_t *status);
 
+/* Curves that differ from contact to contact in a shape of a family, in some doubles, in springs: NULL or 0 if they do not. */
+typedef struct {
+    const film_curve *curve;
+    const film_family *family;
+    const double *shape, *compliance, *values;
+    const int32_t *places;
+    int32_t varying;
+} film_curves;
+
+/* The curve of contact i. energy: of film_shape_up_to. own: at first a copy of the curve of all. FILM_OK or FILM_BAD_CURVE. */
+int film_curve_of(const film_curves *of, int64_t i, double energy, film_curve *own);
+
+/* The work of the springless law is at most this on the way to the turn: a fixed target without a load stores all of it. */
+double film_most_work(const film_curve *curve, const film_start *start);
+
 /* Laws with a shape: film_batch_shape.c. film_own_stage prepares the last stage; film_own_piece gives the piece in which an
  * impact should turn that enters the last stage at v after `stored` work, -1 if lanes cannot run it; film_own_factors gives
  * the factors of a block. */

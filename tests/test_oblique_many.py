@@ -13,6 +13,7 @@ from film_model.cli.main import main
 from film_model.oblique.result import MOTION, OBLIQUE, REGIMES
 from film_model.scene import Solver
 from film_model.solve.batch import simulate_many
+from film_model.solve.simulate import simulate_quietly
 
 STEEL = {"youngs_modulus": "210 GPa", "poissons_ratio": 0.3, "density": "7850 kg/m^3"}
 
@@ -85,6 +86,30 @@ def test_impacts_that_yield_are_solved_by_springs_in_a_batch_too(angle):
     assert fewer.tolist() == many["tangential_impulse"][1:].tolist()
     finer = fm.simulate_batch(scene, velocity=speeds(values[1:]), accuracy=1e-5).oblique["tangential_impulse"]
     assert finer == pytest.approx(fewer, rel=1e-3)
+
+
+WALTON = {"loading_stiffness": "40 MN/m", "unloading_stiffness": "80 MN/m"}
+ON_BEAM = fm.Beam("mild steel", "300 mm", "30 mm", "10 mm", static_stiffness="20 MN/m")
+OWN_CURVES = {
+    "numbers": (fm.Contact("walton-braun", friction=0.2, **WALTON), "contact.unloading_stiffness", [5e7, 7e7, 9e7]),
+    "shape": (fm.Contact("elastoplastic", friction=0.2), "impactor.radius", [4e-3, 5e-3]),
+    "spring": (fm.Contact("elastoplastic", friction=0.2), "impactor.radius", [4e-3, 5e-3], ON_BEAM),
+}
+
+
+@pytest.mark.parametrize("differ", OWN_CURVES)
+def test_springs_beside_curves_of_their_own_have_the_results_of_single_impacts(differ):
+    contact, path, values, *target = OWN_CURVES[differ]
+    ball = fm.Sphere("5 mm", "1 m/s", material="mild steel", angle="15 deg")
+    scene = fm.Scene(ball, *(target or [fm.HalfSpace("mild steel")]), contact, fm.Effects(gravity=False))
+    many = simulate_many(scene, {path: np.array(values)}, Solver(1e-4))
+    for row, value in enumerate(values):
+        unit = "N/m" if "stiffness" in path else "m"
+        one = simulate_quietly(scene.replace({path: f"{value!r} {unit}"})).oblique
+        error = (one.estimated + many.oblique.estimated[row]) * one.motion["sliding_velocity"][0]
+        after = one.summary["contact_point_rebound_velocity"]
+        found = many.oblique.summary["contact_point_rebound_velocity"][row]
+        assert found == pytest.approx(after, rel=0.0, abs=error) and many.oblique.estimated[row] < 1e-3
 
 
 def test_friction_that_is_not_known_is_refused_in_a_batch():

@@ -36,10 +36,18 @@ static double force_inside(const film_curve *curve, const film_state *s, double 
     return total_force(&s->line, damping_at(curve, &s->line, at), f, nu);
 }
 
-/* Ends the bracket where F is least, if F falls at first on the line just made and rises at its end. */
+/* Ends the bracket where F is negative within the line just made: at a point of Gauss's rule, or else where F is least, if it falls
+ * at first and rises at the end. */
 static void end_at_least(const film_curve *curve, const film_state *s, bracket *b) {
     double values[5], at = 0.5 * s->tau_end;
     bracket rates = {0.0, s->tau_end, -film_force_rate(curve, s, s->xi, s->nu), -film_force_rate(curve, s, s->xi_end, s->nu_end)};
+    for (int k = 0; k < GAUSS; k++) {
+        film_evaluate(curve, &s->line, GAUSS_AT[k] * s->tau_end, values);
+        double force = force_inside(curve, s, values[0], values[3]);
+        if (force >= 0.0) continue;
+        b->high = s->direction * (values[0] - s->xi), b->below = force;
+        return;
+    }
     if (!(rates.above > 0.0 && rates.below < 0.0)) return;
     for (int k = 0; k < PEAK_ITERATIONS; k++) {
         film_evaluate(curve, &s->line, at, values);

@@ -17,7 +17,7 @@ from film_model.laws.yielding import YIELD_PRESSURE_RATIO
 from film_model.studies import quadrature
 from film_model.studies.dormand_prince import ScalarLaw
 from film_model.studies.impact_ode import INTEGRATED_VALUES
-from film_model.targets.plate import paper_plate_impedance
+from film_model.targets.plate_waves import paper_plate_impedance
 
 Array = NDArray[np.float64]
 

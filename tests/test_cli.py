@@ -376,7 +376,8 @@ def test_of_many_contacts_only_beginnings_and_ends_are_listed(capsys, tmp_path):
     scene = tmp_path / "rattles.toml"
     scene.write_text(
         '[impactor]\nradius = "12.5 mm"\nvelocity = "3 m/s"\nmaterial = "bearing steel"\n[target]\n'
-        'kind = "plate"\nsize = ["300 mm", "300 mm"]\nthickness = "6 mm"\nmaterial = "float glass, annealed"\n'
+        'kind = "plate"\nsize = ["300 mm", "300 mm"]\nthickness = "6 mm"\n'
+        'theory = "kirchhoff"\nmaterial = "float glass, annealed"\n'
         '[contact]\nlaw = "hertz"\n[effects]\ngravity = true\n[solver]\naccuracy = 1e-2\n',
         encoding="utf-8",
     )

@@ -38,7 +38,8 @@ def test_t300_5208_at_45_degrees():
 def test_an_isotropic_ply_gives_an_isotropic_plate():
     metal = {"E1": "70 GPa", "E2": "70 GPa", "G12": f"{70 / 2.6!r} GPa", "nu12": 0.3, "density": "2700 kg/m^3"}
     layers = fm.Plate(layup=[[metal, "1 mm", angle] for angle in (10, 80, 80, 10)], size=["1 m", "1 m"])
-    sheet = fm.Plate(fm.Material("metal", "70 GPa", 0.3, "2700 kg/m^3"), "4 mm", size=["1 m", "1 m"])
+    isotropic = fm.Material("metal", "70 GPa", 0.3, "2700 kg/m^3")
+    sheet = fm.Plate(isotropic, "4 mm", size=["1 m", "1 m"], theory="kirchhoff")
     assert layers.stiffness == pytest.approx(sheet.stiffness, rel=1e-12)
     assert layers.surface_density == pytest.approx(sheet.surface_density) and layers.whole_thickness == 4e-3
     assert layers.impedance == pytest.approx(sheet.impedance, rel=1e-12)

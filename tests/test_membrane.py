@@ -25,7 +25,8 @@ pytestmark = pytest.mark.filterwarnings("ignore::film_model.ImpactWarning")
 
 
 def struck(velocity, edges="simply supported", in_plane="fixed", accuracy=1e-2, effects=None, **more):
-    plate = fm.Plate(METAL, f"{THICK} m", size=[f"{SIDE} m"] * 2, edges=edges, in_plane=in_plane, **more)
+    more = {"edges": edges, "in_plane": in_plane, "theory": "kirchhoff", **more}
+    plate = fm.Plate(METAL, f"{THICK} m", size=[f"{SIDE} m"] * 2, **more)
     ball = fm.Sphere("20 mm", f"{velocity} m/s", mass="1 kg", material=METAL)
     wanted = {"gravity": False, **(effects or {})}
     return fm.Scene(

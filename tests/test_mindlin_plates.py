@@ -10,8 +10,9 @@ import film_model as fm
 from film_model.effects.choose import choose
 from film_model.targets import thick_plate
 from film_model.targets.beam_theory import sheared_waves
+from film_model.targets.plate_modes import plate_modes
 from film_model.targets.ritz import Panel
-from film_model.targets.thick_plate import ThickPanel, thick_compliance, thick_modes
+from film_model.targets.thick_plate import ThickPanel, shear_of, thick_compliance, thick_modes
 
 S, C, F = "simply supported", "clamped", "free"
 EDGES = {"SSSS": (S,) * 4, "CCCC": (C,) * 4, "CSFF": (C, S, F, F), "CFFF": (C, F, F, F), "FFFF": (F,) * 4}
@@ -20,15 +21,19 @@ EDGES = {"SSSS": (S,) * 4, "CCCC": (C,) * 4, "CSFF": (C, S, F, F), "CFFF": (C, F
 def square(edges, slenderness, shear_coefficient=None, **more):
     """A square plate of unit side, density and bending stiffness."""
     thin = Panel(1.0, (1.0, RATIO, 1.0, (1 - RATIO) / 2), (1.0, 1.0), EDGES[edges], **more)
-    found = ThickPanel.of(thin, slenderness, RATIO)
-    if shear_coefficient is None:
-        return found
-    return ThickPanel(thin, slenderness, RATIO, 6 * (1 - RATIO) * shear_coefficient / slenderness**2)
+    thickness, softness, bulge = shear_of(1.0, slenderness, RATIO)
+    if shear_coefficient is not None:
+        softness = slenderness**2 / (6 * (1 - RATIO) * shear_coefficient)
+    return ThickPanel(thin, (thickness, softness, bulge))
 
 
 def every_frequency(plate, highest=1e9):
     """Of a point that is on no node line: those of pairs count once."""
-    return thick_modes(plate, (0.4137, 0.3719), highest).merged().frequency
+    thin, place = plate.thin, (0.4137, 0.3719)
+    if thin.edges == EDGES["SSSS"]:
+        given = thin.mass_per_area, thin.stiffness, thin.size, place
+        return plate_modes(*given, highest, thin.foundation, shear=plate.shear).merged().frequency
+    return thick_modes(plate, place, highest).merged().frequency
 
 
 PUBLISHED = [
@@ -76,7 +81,7 @@ def test_waves_are_those_of_an_elastic_layer(slender):
     thickness = 0.01
     bending = YOUNG * thickness**3 / 12 / (1 - RATIO**2)
     thin = Panel(7850.0 * thickness, (bending, RATIO * bending, bending, 0.35 * bending), (1.0, 1.0), EDGES["SSSS"])
-    plate, wave = ThickPanel.of(thin, thickness, RATIO), slender / thickness
+    plate, wave = ThickPanel(thin, shear_of(bending, thickness, RATIO)), slender / thickness
     branch, turn = (rows[0] for rows in sheared_waves(plate.strip, np.array([wave])))
     exact, share = lowest_wave(wave, thickness)
     inertia = plate.thin.mass_per_area + plate.strip.turning * turn**2
@@ -90,10 +95,10 @@ def test_waves_are_those_of_an_elastic_layer(slender):
 def test_static_deflection_is_that_of_an_elastic_layer(size, position, slenderness):
     """Less the half-space, so that nothing of the contact is counted twice; and more than all vibrations together."""
     thickness = size[0] / slenderness
-    plate = fm.Plate(
-        STEEL, f"{thickness} m", size=[f"{x} m" for x in size], position=[f"{x} m" for x in position], theory="mindlin"
+    sides, place = ([f"{x} m" for x in pair] for pair in (size, position))
+    plate, thin = (
+        fm.Plate(STEEL, f"{thickness} m", size=sides, position=place, theory=theory) for theory in ("auto", "kirchhoff")
     )
-    thin = fm.Plate(STEEL, f"{thickness} m", size=[f"{x} m" for x in size], position=[f"{x} m" for x in position])
     exact = neglected_deflection(thickness, size, position)
     assert plate.compliance - thin.compliance == pytest.approx(exact, abs=2e-3 * thin.compliance / slenderness)
     lacking = plate.compliance - plate.modes(1e12).compliance
@@ -147,6 +152,36 @@ def test_shear_lowers_the_force_and_is_warned_of_without_it():
     assert not any("thickness" in warning for warning in thick.warnings)
 
 
+def test_auto_takes_the_closed_form_wherever_it_is_known():
+    """Not in an infinite plate, between other edges, on a bed, near an edge, or if the plate is no plate."""
+    auto, asked = (fm.simulate(ball_on(steel_plate(20, theory=theory), 0.3)) for theory in ("auto", "mindlin"))
+    assert auto.summary["maximum_force"] == asked.summary["maximum_force"]
+    for slenderness, more, sheared in (
+        (20, {}, True),
+        (20, {"in_plane": "fixed"}, True),
+        (20, {"edges": C}, False),
+        (20, {"foundation_stiffness": "1e6 N/m^3"}, False),
+        (20, {"position": ["9 mm", "50 mm"]}, False),
+        (4, {}, False),
+    ):
+        plate, thin = steel_plate(slenderness, **more), steel_plate(slenderness, **more, theory="kirchhoff")
+        assert plate.sheared == sheared and (plate.compliance != thin.compliance) == sheared
+        assert (plate.modes(2e5).frequency[0] < thin.modes(2e5).frequency[0]) == sheared
+
+
+def test_an_infinite_plate_names_the_remedy():
+    scene = ball_on(steel_plate(20), 9e-4).replace({"effects.boundary_reflections": "auto", "impactor.radius": "3 mm"})
+    (warning,) = (text for text in fm.simulate(scene).warnings if "thickness" in text)
+    assert 'theory = "mindlin" has it' in warning
+
+
+def test_membrane_forces_on_few_vibrations():
+    """A thick plate has fewer than those that carry membrane forces."""
+    scene = ball_on(steel_plate(10, in_plane="fixed"), 3.0, 1e-2).replace({"effects.stretching": True})
+    stiff, soft = (fm.simulate(scene.replace({"target.in_plane": kind}), accuracy=1e-2) for kind in ("fixed", "free"))
+    assert stiff.summary["maximum_force"] == pytest.approx(soft.summary["maximum_force"], rel=1e-2)
+
+
 def test_what_is_not_known_is_refused():
     layers = {"layup": [["carbon/epoxy UD", "5 mm", 0]], "material": "carbon/epoxy UD"}
     for plate, words in (
@@ -160,15 +195,15 @@ def test_what_is_not_known_is_refused():
                 "edges": [C, F, F, F],
                 "position": ["0.2 m", "0.1 m"],
             },
-            "within its thickness of a free edge",
+            "within its thickness of an edge",
         ),
         ({"material": STEEL, "thickness": "1 mm", "size": ["0.2 m", "0.2 m"], "edges": C}, "too many vibrations"),
     ):
         with pytest.raises(fm.SceneError, match=words):
             fm.Plate(**plate, theory="mindlin")
-        assert fm.Plate(**plate).theory == "kirchhoff"
+        assert not fm.Plate(**plate).sheared
     infinite = ball_on(steel_plate(10, theory="mindlin"), 0.3).replace({"effects.boundary_reflections": False})
-    with pytest.raises(fm.SimulationError, match="Mindlin's theory"):
+    with pytest.raises(fm.SimulationError, match="has no impedance"):
         choose(infinite)
 
 

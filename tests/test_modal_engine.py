@@ -42,7 +42,11 @@ PUBLISHED = [  # scene, maximum force [N], rebound velocity [m/s], contacts
     (struck(bar("153.5 mm"), "10 mm", "0.01 m/s", material=BAR), 4.97714, -0.00302324, 1),
     (struck(bar("307 mm"), "20 mm", "0.01 m/s", material=BAR), 10.298, -0.00971258, 3),
     (
-        struck(fm.Plate(STEEL, "4 mm", size=["150 mm", "200 mm"], position=["40 mm", "130 mm"]), "8 mm", "2 m/s"),
+        struck(
+            fm.Plate(STEEL, "4 mm", size=["150 mm", "200 mm"], position=["40 mm", "130 mm"], theory="kirchhoff"),
+            "8 mm",
+            "2 m/s",
+        ),
         1468.22,
         -0.619125,
         1,

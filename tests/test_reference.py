@@ -8,7 +8,7 @@ import pytest
 
 from film_model.laws import AbstractLaw, BigAlabo, Hertz, Meyer, Power, Stage, Stronge, Unloading
 from film_model.studies.quadrature import REFERENCE_VALUES, integrate, quadrature
-from film_model.targets.plate import paper_plate_impedance
+from film_model.targets.plate_waves import paper_plate_impedance
 
 MODULUS = 1 / ((1 - 0.28**2) / 600e9 + (1 - 0.30**2) / 210e9)  # tungsten carbide on steel, Pa
 BALL = (MODULUS, 0.010, 1.0e9)  # and the radius, m, and yield strength, Pa

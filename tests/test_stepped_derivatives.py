@@ -101,7 +101,7 @@ def test_a_contact_that_is_just_lost_gives_one_sided_derivatives():
 
 
 def test_crowded_frequencies_are_refused():
-    wide = fm.Plate("mild steel", thickness="2 mm", size=["600 mm", "470 mm"])
+    wide = fm.Plate("mild steel", thickness="2 mm", size=["600 mm", "470 mm"], theory="kirchhoff")
     one = struck(wide).replace({"effects.boundary_reflections": True})
     with pytest.raises(fm.SimulationError, match=r"a derivative by target\.thickness is not supported: it changes the"):
         fm.simulate(one, accuracy=3e-2, derivatives=["target.thickness"])

@@ -51,7 +51,8 @@ def test_wide_beam_bends_as_a_plate():
 
 def test_simply_supported_plate():
     """Moments by Lévy's single series of a point force (Timoshenko and Woinowsky-Krieger, eq. 149)."""
-    target = fm.Plate(STEEL, "4 mm", size=["200 mm", "150 mm"], sensors=sensors(["60 mm", "30 mm"]))
+    places = sensors(["60 mm", "30 mm"])
+    target = fm.Plate(STEEL, "4 mm", size=["200 mm", "150 mm"], sensors=places, theory="kirchhoff")
     (a, b), (x, y), struck = (0.2, 0.15), (0.06, 0.03), 0.1
     d, n = target.stiffness[0], np.arange(1.0, 200.0, 2.0)
 
@@ -97,7 +98,8 @@ def test_strain_is_that_of_the_motion(kind):
         x, y = 0.012, 0.034
         places = [[f"{p!r} m" for p in q] for q in ((x, y), (x - e, y), (x + e, y), (x, y - e), (x, y + e))]
         edges = ["simply supported"] * 2 + ["free"] * 2 if kind == "two edges free" else kind
-        target = fm.Plate(STEEL, "4 mm", size=["60 mm", "50 mm"], edges=edges, sensors=sensors(*places))
+        more = {"edges": edges, "sensors": sensors(*places), "theory": "kirchhoff"}
+        target = fm.Plate(STEEL, "4 mm", size=["60 mm", "50 mm"], **more)
     modes = target.modes(1.2e6)
     t = np.linspace(0.0, 3e-5, 7)[1:]
     moved = np.sin(np.outer(t, modes.frequency)) / np.maximum(modes.frequency, 1.0)

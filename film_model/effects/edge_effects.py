@@ -63,12 +63,7 @@ def infinite_unless_judged(scene: Scene) -> bool:
     if not target.structural or endless(target.impedance):
         return False
     asked = effects.boundary_reflections is True or effects.target_inertia is True or stretching.possible(scene)
-    return effects.boundary_reflections is False or (target.finite and not (asked or _thick(scene)))
-
-
-def _thick(scene: Scene) -> bool:
-    """Whether the target moves by Mindlin's theory, which has no impedance."""
-    return getattr(scene.target, "theory", None) == "mindlin"
+    return effects.boundary_reflections is False or (target.finite and not asked)
 
 
 def support_of(impacts: Impacts) -> Supported:
@@ -91,14 +86,14 @@ def _without_stretching(edges: _Edges) -> Supported:
     scene = edges.scene
     target, wanted, inertia = scene.target, scene.effects.boundary_reflections, scene.effects.target_inertia
     if wanted is False:
-        if edges.bounded or _thick(scene):
-            why = "has no impedance" if edges.bounded else "is not known by Mindlin's theory"
-            raise SimulationError(f"effects.boundary_reflections is false, but an infinite {target.kind} {why}")
+        if edges.bounded:
+            raise SimulationError(
+                f"effects.boundary_reflections is false, but an infinite {target.kind} has no impedance"
+            )
         state = NOT_MODELLED if edges.reflections.state == NOT_MODELLED else SWITCHED_OFF
         return edges.infinite(state, "the scene has boundary_reflections = false")
     seen = edges.reflections
-    ignored = wanted == "auto" and target.finite and not edges.bounded and seen.state != NOT_MODELLED
-    if ignored and not _thick(scene):
+    if wanted == "auto" and target.finite and not edges.bounded and seen.state != NOT_MODELLED:
         return edges.infinite(seen.state, seen.reason)
     if edges.no_static:
         return _without_static(edges, asked=wanted is True or inertia is True)
@@ -132,9 +127,9 @@ def supports_of(impacts: Impacts) -> Iterator[tuple[Impacts, Support]]:
         return
     target = scene.target
     refused = effects.boundary_reflections is False or effects.target_inertia is True or stretching.possible(scene)
-    if refused or target.compliance is None or not target.held:
+    if refused or not target.held or (static := target.compliance) is None:
         return
-    compliance = np.array(impacts.column(target.compliance))
+    compliance = np.array(impacts.column(static))
     follows = (compliance > 0.0) & sure_in_series(impacts, compliance)
     if effects.target_inertia == "auto" and not target.modes_missing and follows.any():
         if target.whole_mass is None:

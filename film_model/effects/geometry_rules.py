@@ -27,8 +27,11 @@ def by_target(method: str) -> Callable[[Case, Rule], Effect]:
             return rule.failing(found.reason, found.value, found.threshold)
         if found.change is None or found.value is None:
             return rule.unjudged(found.reason, found.value, found.threshold)
-        cost = ABSENT if found.remedy is None else f"{ABSENT}: {found.remedy}"
-        return rule.sized(case.tolerance, found.value, found.threshold, found.change, found.reason, cost)
+        cost, reason = ABSENT, found.reason
+        if found.remedy is not None:
+            cost = f"{ABSENT}: {found.remedy}"
+            reason += f": {found.remedy}" if found.change > case.tolerance else ""
+        return rule.sized(case.tolerance, found.value, found.threshold, found.change, reason, cost)
 
     judge.__doc__ = getattr(AbstractTarget, method).__doc__
     return judge

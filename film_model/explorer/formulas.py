@@ -325,14 +325,15 @@ def gravity_function(name: str, template: Scene) -> str:
 def plate_functions(template: Scene, paths: Sequence[str]) -> dict[str, str]:
     """Of a plate that may have edges, by what they compute.
 
-    numbers: its mass per area, stiffnesses, and the part of its mass [kg] that moves with the struck point.
-    reflections: of :func:`reflections_function`. inertia: force of vibration over static force on the static
+    numbers: its mass per area, stiffnesses, those of shear, and the part of its mass [kg] that moves with the struck
+    point. reflections: of :func:`reflections_function`. inertia: force of vibration over static force on the static
     `compliance` [m/N].
     """
     r = Recording()
     target: Any = _target(r, template, paths)
     d11, d12, d22, d66 = target.stiffness
     outputs = {"mass": target.surface_density, "d11": d11, "d12": d12, "d22": d22, "d66": d66}
+    outputs |= dict(zip(("thickness", "softness", "bulge"), target.shear, strict=True))
     outputs |= {"part": target.first_mode_share * target.whole_mass}
     found = {"numbers": r.function("numbers", "x", outputs)}
     found["reflections"] = reflections_function("reflections", template, paths)

@@ -20,6 +20,7 @@ from film_model.scene import DEFAULT_ACCURACY, Scene
 from film_model.solve import structures, vibration
 from film_model.targets import AbstractTarget, Plate, Structure, line_functions, panel_statics, ritz
 from film_model.targets.modes import EQUAL, UNSEEN
+from film_model.targets.plate_modes import THIN
 
 SPARE = 4.0
 """Highest frequency of the page's modes over that which the scene as given needs."""
@@ -46,10 +47,10 @@ def fixed_to(choice: Choice) -> Scene:
 
 def scales_of(target: AbstractTarget) -> dict[str, float]:
     """Entries of an isotropic plate without bed and springs with which its vibrations scale, and their values: ω ∝
-    h √(E/ρ), share ∝ 1/(ρ h) and compliance ∝ 1/(E h³), whatever its edges. None of other targets."""
+    h √(E/ρ), share ∝ 1/(ρ h) and compliance ∝ 1/(E h³), whatever its edges. None of other targets, and with shear."""
     if not isinstance(target, Plate) or target.thickness is None or target.stiffness_given:
         return {}
-    if target.foundation_stiffness or target.edge_stiffness or target.material is None or target.theory == "mindlin":
+    if target.foundation_stiffness or target.edge_stiffness or target.material is None or target.shear is not THIN:
         return {}
     return {
         "target.thickness": target.thickness,
@@ -70,8 +71,8 @@ def damping_of(target: AbstractTarget) -> list[Input]:
 
 
 def computed(target: AbstractTarget) -> bool:
-    """Whether the page computes how the target moves between edges: a plate of no layers, bed, springs, sensors and
-    shear."""
+    """Whether the page computes how the target moves between edges: a plate of no layers, bed, springs, sensors, and
+    of no theory "mindlin"."""
     if not isinstance(target, Plate) or target.layup is not None or target.stiffness_given or target.sensors:
         return False
     alike = isinstance(target.damping_ratio, float | None) and target.theory != "mindlin"

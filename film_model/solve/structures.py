@@ -49,6 +49,9 @@ CARRIED = 16
 """Most vibrations with membrane forces, the lowest. At 2.8 thicknesses the largest force on a square plate is 979,
 1033, 1052 and 1064 N with 6, 11, 15 and 20 of them; the time grows with the fourth power of their number."""
 
+MOST_RAISED = 1e6
+"""Frequency over the lowest, below which they are sought."""
+
 APART = 1e-3
 """Least relative distance between the frequencies of the last of them and the next."""
 
@@ -83,6 +86,8 @@ def _membrane(target: AbstractTarget, carried: int) -> tuple[Modes, Array]:
     highest = 2.0 * lowest_frequency(target)
     while (known := target.modes(highest).frequency).size <= carried:
         highest *= 1.5
+        if highest > MOST_RAISED * lowest_frequency(target):  # a thick plate has no more
+            return target.membrane(highest)
     gaps = np.flatnonzero(np.diff(known[: carried + 1]) > APART * known[1 : carried + 1])
     last = int(gaps[-1]) if gaps.size else 0
     return target.membrane(0.5 * float(known[last] + known[last + 1]))

@@ -125,17 +125,17 @@ def _simple(beam: Line, places: Points, highest: float, waves: float) -> Modes:
     return sorted_modes(np.sqrt(square), found[0], highest, found[1:])
 
 
-def sheared_waves(beam: Line, beta: Array, bed: float = 0.0) -> tuple[Array, Array]:
+def sheared_waves(beam: Line, beta: Array) -> tuple[Array, Array]:
     """ω² of the waves w = sin(βx), ψ = Ψ cos(βx) of Timoshenko's beam, and Ψ: in bending and in thickness shear.
 
-    (κGA β² + k_f − ρA ω²)(EI β² + κGA − ρI ω²) = (κGA β)². bed: stiffness per length k_f, N/m².
+    (κGA β² − ρA ω²)(EI β² + κGA − ρI ω²) = (κGA β)².
     """
     bent = beam.bending * beta**2 + beam.shear
-    last = beam.shear * beam.bending * beta**4 + bed * bent  # ρA ρI ω⁴ − middle ω² + last = 0
-    middle = beam.mass * bent + beam.turning * beam.shear * beta**2 + beam.turning * bed
+    last = beam.shear * beam.bending * beta**4  # ρA ρI ω⁴ − middle ω² + last = 0
+    middle = beam.mass * bent + beam.turning * beam.shear * beta**2
     large = (middle + np.sqrt(middle**2 - 4 * beam.mass * beam.turning * last)) / 2
     square = np.array([last / large, large / (beam.mass * beam.turning)])
-    return square, (beam.shear * beta**2 + bed - beam.mass * square) / (beam.shear * beta)
+    return square, (beam.shear * beta**2 - beam.mass * square) / (beam.shear * beta)
 
 
 @one_thread

@@ -8,11 +8,13 @@ from dataclasses import dataclass
 from functools import reduce
 from typing import Any, ClassVar, Literal, cast
 
-from film_model.base.arrays import greater, lesser, root
+from film_model.base.arrays import lesser, root
 from film_model.base.errors import raise_all
 from film_model.base.fields import choice, entry, measure, mistake, part, several
 from film_model.base.materials import MATERIAL, Material, MaterialLike
-from film_model.base.units import Value, format_si
+from film_model.base.units import Value
+from film_model.core import plates
+from film_model.targets import plate_waves
 from film_model.targets.bending_stiffness import BendingStiffness
 from film_model.targets.bending_strength import bending_strength, reach_of
 from film_model.targets.layup import LAYUP, Ply, PlyLike, coupling, laminate
@@ -20,15 +22,9 @@ from film_model.targets.membrane import plate_membrane
 from film_model.targets.modes import Array, Modes, Points
 from film_model.targets.panel_statics import compliance_and_error
 from film_model.targets.plate_entries import kind_mistakes
-from film_model.targets.plate_modes import plate_modes
+from film_model.targets.plate_modes import THIN, Shear, numbers_of, plate_modes
 from film_model.targets.plate_shear import reach_of_edges, shear_around, shear_of_bending, shear_of_waves
 from film_model.targets.plate_statics import plate_compliance
-from film_model.targets.plate_waves import (
-    orthotropic_plate_impedance,
-    paper_plate_impedance,
-    plate_impedance,
-    plate_stiffness,
-)
 from film_model.targets.ritz import Panel, loose, panel_modes
 from film_model.targets.sensors import SENSORS, Sensor, points_of, sensor_mistakes, with_strains
 from film_model.targets.stretching import lengthening_of_plate, sliding, stretching
@@ -60,18 +56,15 @@ from film_model.targets.target import (
     no_effect,
     place_mistakes,
 )
-from film_model.targets.thick_plate import ThickPanel, thick_compliance, thick_modes
+from film_model.targets.thick_plate import ThickPanel, shear_of, thick_compliance, thick_modes
 from film_model.targets.waves import sheet_losses
-
-REFLECTION_CHANGE = 0.03, 2.2
-"""c and p of the change c m (1 + e)/(Z e t_c) (t/t_return)^p by waves reflected from the edges of a plate."""
 
 Edge = Literal["simply supported", "clamped", "free"]
 
 
 @dataclass(frozen=True, init=False, repr=False)
 class Plate(AbstractTarget):
-    """A thin plate: infinite, or rectangular with waves reflected from its edges.
+    """A plate: infinite, or rectangular with waves reflected from its edges.
 
     Isotropic: give material and thickness; of layers: layup; otherwise: mass_per_area and bending_stiffness.
 
@@ -83,8 +76,9 @@ class Plate(AbstractTarget):
     move the struck point, or pairs with frequencies. in_plane: "fixed" or "free", whether the edges are held in the
     plane; without, membrane forces are not simulated. position: of the impact, distances from a corner along the two
     sides, m; default the centre. static_stiffness: force over deflection at that point, N/m; default from plate theory.
-    impedance_formula: "exact", or "paper" to reproduce published results. theory: "kirchhoff", or "mindlin",
-    with shear and rotary inertia. sensors: points to follow. radius: of the surface, m.
+    impedance_formula: "exact", or "paper" to reproduce published results. theory: "kirchhoff"; "mindlin", with shear
+    and rotary inertia, always between its edges; "auto": this where it has a closed form. sensors: points to follow.
+    radius: of the surface, m.
 
     >>> round(fm.Plate("mild steel", "4 mm", size=["150 mm", "100 mm"]).impedance, 1)  # N·s/m
     1572.7
@@ -107,7 +101,7 @@ class Plate(AbstractTarget):
     position: tuple[float, float] | None = entry(several(PLACE, 2))
     static_stiffness: float | None = entry(STATIC_STIFFNESS)
     impedance_formula: Literal["exact", "paper"] = entry(choice("exact", "paper"))
-    theory: Literal["kirchhoff", "mindlin"] = entry(choice("kirchhoff", "mindlin"))
+    theory: Literal["auto", "kirchhoff", "mindlin"] = entry(choice("auto", "kirchhoff", "mindlin"))
     sensors: tuple[Sensor, ...] | None = entry(SENSORS)  # pyright: ignore[reportIncompatibleVariableOverride]
     radius: float = entry(RADIUS)
 
@@ -129,7 +123,7 @@ class Plate(AbstractTarget):
         damping_ratio: DampingLike = None,
         sensors: Sequence[Sensor | Mapping[str, Any]] | None = None,
         in_plane: Literal["fixed", "free"] | None = None,
-        theory: Literal["kirchhoff", "mindlin"] = "kirchhoff",
+        theory: Literal["auto", "kirchhoff", "mindlin"] = "auto",
     ) -> None:
         mistakes = fill_target(self, locals())
         if self.edges:
@@ -171,7 +165,7 @@ class Plate(AbstractTarget):
             return laminate(self.layup)[:4]
         material, thickness = cast("Material", self.material), cast("float", self.thickness)
         ratio = material.poissons_ratio
-        d = plate_stiffness(material.youngs_modulus, ratio, thickness)
+        d = plate_waves.plate_stiffness(material.youngs_modulus, ratio, thickness)
         return d, ratio * d, d, (1 - ratio) / 2 * d
 
     @property
@@ -181,15 +175,38 @@ class Plate(AbstractTarget):
             return "the shear stiffness of a plate of layers, or of given bending_stiffness, is not known"
         if self.size is None or self.stiffness_given:
             return "it needs a plate with a size, without static_stiffness"
-        return self._thick.missing(self.struck)
+        given = self.surface_density, self.stiffness, self.size, self.struck, 0.0, self._mindlin
+        if not plates.sheared(plates.Plate(*numbers_of(*given))):
+            return "the plate is struck within its thickness of an edge, or thicker than about 1/5 of its sides"
+        return "" if self._simple else self._thick.missing
+
+    @property
+    def shear(self) -> Shear:
+        """What `theory` makes of shear, for the core."""
+        if self.theory == "kirchhoff" or self.thickness is None or self.material is None:
+            return THIN
+        closed = self._simple and not self.foundation_stiffness
+        return self._mindlin if closed or self.theory == "mindlin" else THIN
+
+    @property
+    def _mindlin(self) -> Shear:
+        ratio = cast("Material", self.material).poissons_ratio
+        return shear_of(self.stiffness[0], cast("float", self.thickness), ratio)
+
+    @property
+    def sheared(self) -> bool:
+        """Whether it moves by Mindlin's theory where its edges matter."""
+        return self.shear is not THIN and not self.shear_missing
 
     @property
     def impedance(self) -> float:
-        """Wave impedance by Kirchhoff's theory, N·s/m."""
+        """Wave impedance by Kirchhoff's theory, N·s/m; infinite where `theory` asks for Mindlin's, which has none."""
+        if self.theory == "mindlin":
+            return math.inf
         if self.bending_stiffness is None and self.layup is None:
-            return plate_impedance(self.surface_density, self.stiffness[0])
-        paper = self.impedance_formula == "paper"
-        return (paper_plate_impedance if paper else orthotropic_plate_impedance)(self.surface_density, *self.stiffness)
+            return plate_waves.plate_impedance(self.surface_density, self.stiffness[0])
+        exact, paper = plate_waves.orthotropic_plate_impedance, plate_waves.paper_plate_impedance
+        return (paper if self.impedance_formula == "paper" else exact)(self.surface_density, *self.stiffness)
 
     @property
     def finite(self) -> bool:
@@ -247,10 +264,10 @@ class Plate(AbstractTarget):
     def _static(self) -> tuple[float | None, float]:
         if self.static_stiffness is not None or self.size is None:
             return (None if self.static_stiffness is None else 1 / self.static_stiffness), 0.0
+        if self._simple and not self.foundation_stiffness:
+            return plate_compliance(self.stiffness, self.size, self.struck, self.shear), 0.0
         if self.theory == "mindlin":
             return thick_compliance(self._thick, self.struck)
-        if self._simple and not self.foundation_stiffness:
-            return plate_compliance(self.stiffness, self.size, self.struck), 0.0
         return compliance_and_error(self._panel, self.struck)
 
     @property
@@ -265,11 +282,11 @@ class Plate(AbstractTarget):
     def _seen(self, highest: float, others: Points) -> Modes:
         """The undamped vibrations at the struck point and at other points."""
         assert self.size is not None
-        bed = self.foundation_stiffness or 0.0
+        if self._simple:
+            given = self.surface_density, self.stiffness, self.size, self.struck
+            return plate_modes(*given, highest, self.foundation_stiffness or 0.0, others, self.shear)
         if self.theory == "mindlin":
             return thick_modes(self._thick, self.struck, highest, others)
-        if self._simple:
-            return plate_modes(self.surface_density, self.stiffness, self.size, self.struck, highest, bed, others)
         return panel_modes(self._panel, self.struck, highest, others)
 
     @property
@@ -299,7 +316,7 @@ class Plate(AbstractTarget):
 
     @property
     def _thick(self) -> ThickPanel:
-        return ThickPanel.of(self._panel, cast("float", self.thickness), cast("Material", self.material).poissons_ratio)
+        return ThickPanel(self._panel, self._mindlin)
 
     def reflection_change(self, motion: Any, restitution: Any, delay: Any) -> Any:
         """0.03 (t/t_return)^2.2 m (1 + e)/(Z e t_c), t from the centre of the impulse to the end of contact.
@@ -309,7 +326,7 @@ class Plate(AbstractTarget):
         simply supported square plates, summed over their modes, for λ from 0.1 to 2. The change oscillates with t; from
         0.003 to 0.3 the formula agrees within a factor of three.
         """
-        return lesser(REFLECTION_CHANGE[0] * motion / greater(restitution, 1e-3) * delay ** REFLECTION_CHANGE[1], 1.0)
+        return plate_waves.change_by_reflections(motion, restitution, delay)
 
     def reflections(self, impact: Impact) -> Estimate:
         """0.03 (t/t_return)^2.2 m (1 + e)/(Z e t_c), with t from the centre of the impulse to the end of contact;
@@ -318,16 +335,7 @@ class Plate(AbstractTarget):
             return missing("target.size")
         if not impact.by_impedance:
             return Estimate(HELD)
-        if self.return_time == 0.0:
-            why = "the plate is struck on an edge: the impedance of an infinite plate does not apply"
-            return Estimate(why, 0.0, None, 1.0)
-        value, (constant, power) = impact.back / self.return_time, REFLECTION_CHANGE
-        share = constant * impact.motion / max(impact.restitution, 1e-3)
-        threshold = (impact.tolerance / share) ** (1.0 / power)
-        back, felt = format_si(impact.back, "time", 3), format_si(self.return_time, "time", 3)
-        reason = f"edge waves matter {felt} after the centre of the impulse, contact without them ends after {back}"
-        size = self.reflection_change(impact.motion, impact.restitution, value)
-        return Estimate(reason, value, threshold, size)
+        return plate_waves.reflected(impact, self.return_time)
 
     def thickness_effect(self, impact: Impact) -> Estimate:
         """Shear adds k² h²/5 to the mobility 1/Z and to the energy of bending waves (lowest wave of a layer pressed on
@@ -339,17 +347,17 @@ class Plate(AbstractTarget):
         thickness, material = self.thickness, self.material
         if thickness is None or material is None:
             return Estimate(self.shear_missing)
-        if self.theory == "mindlin":
-            return no_effect("Mindlin's theory includes shear and rotary inertia")
-        remedy = None if self.shear_missing else 'theory = "mindlin" has it'
-        if not (impact.by_compliance or impact.vibrates):
-            slowness = math.sqrt(self.surface_density / self.stiffness[0])
-            return shear_of_waves(impact, material, thickness, slowness)._replace(remedy=remedy)
-        if self.size is None:
-            return missing("target.size")
-        reach = reach_of_edges(four(self.edges), self.size, self.struck)
-        energy = 0.5 * shear_around(material, reach, thickness) * impact.force**2
-        return shear_of_bending(impact, energy, thickness / min(self.size), remedy)
+        if impact.by_compliance or impact.vibrates:
+            if self.sheared:
+                return no_effect("Mindlin's theory includes shear and rotary inertia")
+            if self.size is None:
+                return missing("target.size")
+            reach = reach_of_edges(four(self.edges), self.size, self.struck)
+            energy = 0.5 * shear_around(material, reach, thickness) * impact.force**2
+            found = shear_of_bending(impact, energy, thickness / min(self.size))
+        else:
+            found = shear_of_waves(impact, material, thickness, math.sqrt(self.surface_density / self.stiffness[0]))
+        return found._replace(remedy=None if self.shear_missing else 'theory = "mindlin" has it')
 
     def wave_losses(self, impact: Impact) -> Estimate:
         """A contact shorter than 2h/c_L radiates as into a half-space; beyond 10 h/c_T bending waves take all. Between,

@@ -3,9 +3,6 @@
 from __future__ import annotations
 
 import math
-from typing import Any
-
-import numpy as np
 
 from film_model.base.materials import Material
 from film_model.targets.target import COMES_BACK, Estimate, Impact, no_effect
@@ -45,23 +42,6 @@ def reach_of_edges(edges: tuple[str, ...], size: tuple[float, float], position: 
     return least * sum((least / each) ** 4 for each in found) ** -0.25 if least > 0.0 and found else least
 
 
-def reach_of_simple(size: tuple[float, float], position: tuple[float, float]) -> float:
-    """The same between simply supported edges, exact: of a membrane under a point force.
-
-    Green's function of a strip, (1/4π) ln((cosh(πx/b) − cos(π(y + y′)/b))/(cosh(πx/b) − cos(π(y − y′)/b))), and its
-    images at x = 2na, and with the other sign at 2na − 2x.
-    """
-    (side, x), (across, y) = sorted(zip(size, position, strict=True), reverse=True)
-    n = np.arange(-40.0, 41.0)
-
-    def strip(distance: Any) -> float:
-        far = np.cosh(np.minimum(math.pi / across * np.abs(distance), 700.0))
-        return float(np.sum(np.log1p((1.0 - math.cos(2.0 * math.pi * y / across)) / (far - 1.0))))
-
-    images = strip(2.0 * side * n[n != 0.0]) - strip(2.0 * side * n - 2.0 * x)
-    return 2.0 * across / math.pi * math.sin(math.pi * y / across) * math.exp(images / 2.0)
-
-
 def shear_of_waves(impact: Impact, material: Material, thickness: float, slowness: float) -> Estimate:
     """Shear adds k² h²/5 to the mobility 1/Z and to the energy of bending waves (lowest wave of a layer pressed on its
     face), k² = ω √(ρ_A/D), ω = 0.77 π/t_c, the mean over a half-sine's spectrum. slowness: √(ρ_A/D), s/m²."""
@@ -76,11 +56,10 @@ def shear_of_waves(impact: Impact, material: Material, thickness: float, slownes
     return Estimate(reason, value, None, size)
 
 
-def shear_of_bending(impact: Impact, energy: float, slender: float, remedy: str | None) -> Estimate:
+def shear_of_bending(impact: Impact, energy: float, slender: float) -> Estimate:
     """½ c F² over the impact energy, c F the deflection around the load that plate theory and contact law neglect
     (`shear_around`). energy: ½ c F². slender: h/L."""
     size = min(energy / impact.energy, 1.0)
     if impact.vibrates and size <= impact.tolerance:
         return Estimate(COMES_BACK, slender, indicator="h/L")
-    reason = "the energy of shear deformation is neglected" + (f": {remedy}" if remedy else "")
-    return Estimate(reason, slender, None, size, indicator="h/L")
+    return Estimate("the energy of shear deformation is neglected", slender, None, size, indicator="h/L")

@@ -1,4 +1,4 @@
-"""Bending stiffness and wave impedance of infinite plates."""
+"""Bending stiffness and wave impedance of infinite plates, and the change by waves from edges."""
 
 from __future__ import annotations
 
@@ -6,8 +6,13 @@ from typing import Any
 
 import numpy as np
 
-from film_model.base.arrays import root
+from film_model.base.arrays import greater, lesser, root
+from film_model.base.units import format_si
 from film_model.targets.plate_statics import anisotropy
+from film_model.targets.target import Estimate, Impact
+
+REFLECTION_CHANGE = 0.03, 2.2
+"""c and p of the change c m (1 + e)/(Z e t_c) (t/t_return)^p by waves reflected from the edges of a plate."""
 
 
 def plate_stiffness(youngs_modulus: float, poissons_ratio: float, thickness: float) -> float:
@@ -52,3 +57,22 @@ def _agm(a: Any, b: Any) -> Any:
             break
         a, b = (a + b) / 2, root(a * b)
     return a
+
+
+def change_by_reflections(motion: Any, restitution: Any, delay: Any) -> Any:
+    """The change by waves reflected from the edges, at most 1: as of `Plate.reflection_change`."""
+    constant, power = REFLECTION_CHANGE
+    return lesser(constant * motion / greater(restitution, 1e-3) * delay**power, 1.0)
+
+
+def reflected(impact: Impact, return_time: float) -> Estimate:
+    """The estimate of these waves, which matter after `return_time` [s]."""
+    if return_time == 0.0:
+        why = "the plate is struck on an edge: the impedance of an infinite plate does not apply"
+        return Estimate(why, 0.0, None, 1.0)
+    value, (constant, power) = impact.back / return_time, REFLECTION_CHANGE
+    share = constant * impact.motion / max(impact.restitution, 1e-3)
+    threshold = (impact.tolerance / share) ** (1.0 / power)
+    back, felt = format_si(impact.back, "time", 3), format_si(return_time, "time", 3)
+    reason = f"edge waves matter {felt} after the centre of the impulse, contact without them ends after {back}"
+    return Estimate(reason, value, threshold, change_by_reflections(impact.motion, impact.restitution, value))

@@ -7,7 +7,7 @@ it is clamped, that across it too. w and both rotations are sums of products of 
 Both faces move by w + f (ψx,x + ψy,y), f = ν h²/(12 (1 − ν)): the plate gets thinner and thicker as it bends. With that
 and S = κ G h, κ = 5/(6 − ν), simply supported plates have the frequencies and the deflections of three-dimensional
 elasticity to the first power of k² h² in waves of 2π/k. Shorter waves than π h are left out: the half-space of the
-contact law has them.
+contact law has them (core/plate/film_plate.c).
 """
 
 from __future__ import annotations
@@ -20,16 +20,16 @@ from itertools import product
 
 import numpy as np
 
+from film_model.base.arrays import Number
 from film_model.base.threads import one_thread
-from film_model.targets.beam_theory import Line, sheared_waves, wave_number
+from film_model.core import plates
+from film_model.targets.beam_theory import Line, wave_number
 from film_model.targets.line_functions import SIMPLE, line
-from film_model.targets.modes import Array, Modes, Points, sorted_modes
+from film_model.targets.modes import Array, Modes, Points
 from film_model.targets.panel_statics import REMAINDER, compliance_and_error, ritz_compliance
-from film_model.targets.plate_shear import LOCAL, reach_of_simple
+from film_model.targets.plate_modes import Point, Shear, numbers_of
+from film_model.targets.plate_statics import shear_compliance
 from film_model.targets.ritz import LEAST, NODE, Panel, least_stiffness, loose_motions, seen_modes, spectrum, symmetric
-
-SHORTEST = 1.2
-"""k h of the shortest waves. From 1.4 on all waves together deflect more than the layer less the half-space."""
 
 DEGREES = 1.6, 8
 """Degree of the polynomials for each half-wave, and beyond: errors of frequencies are then below 1e-6, with corners
@@ -42,36 +42,41 @@ STATIC_DEGREE, LOWER_DEGREE = 22, 18
 """Degree of the polynomials of the static deflection by shear, and of those that give a bound on the rest."""
 
 
+def shear_of(bending: Number, thickness: Number, ratio: Number) -> Shear:
+    """h, 1/S and f, with κ = 5/(6 − ν): S = 6 (1 − ν) κ D/h²."""
+    square = thickness**2
+    return thickness, square * (6 - ratio) / (30 * (1 - ratio) * bending), ratio * square / 12 / (1 - ratio)
+
+
 @dataclass(frozen=True)
 class ThickPanel:
-    """A thick isotropic plate. thin: the same without shear. thickness: m. ratio: Poisson's. shear: S, N/m."""
+    """A thick isotropic plate. thin: the same without shear. shear: of :func:`shear_of`."""
 
     thin: Panel
-    thickness: float
-    ratio: float
-    shear: float
+    shear: Shear
 
-    @classmethod
-    def of(cls, thin: Panel, thickness: float, ratio: float) -> ThickPanel:
-        """With κ = 5/(6 − ν): S = 6 (1 − ν) κ D/h²."""
-        coefficient = 5 / (6 - ratio)
-        return cls(thin, thickness, ratio, 6 * (1 - ratio) * coefficient * thin.stiffness[0] / thickness**2)
+    @property
+    def thickness(self) -> float:
+        """h, m."""
+        return self.shear[0]
+
+    @property
+    def bulge(self) -> float:
+        """f, m²."""
+        return self.shear[2]
 
     @property
     def strip(self) -> Line:
         """A strip of unit width whose vibrations are waves of the plate."""
         density = self.thin.mass_per_area
-        return Line(density, self.thin.stiffness[0], 1.0, SIMPLE, self.shear, density * self.thickness**2 / 12)
-
-    @property
-    def bulge(self) -> float:
-        """f, m²."""
-        return self.ratio * self.thickness**2 / 12 / (1 - self.ratio)
+        return Line(density, self.thin.stiffness[0], 1.0, SIMPLE, 1 / self.shear[1], density * self.thickness**2 / 12)
 
     @property
     def highest(self) -> float:
         """Frequency of the shortest waves, rad/s."""
-        return math.sqrt(sheared_waves(self.strip, np.array([SHORTEST / self.thickness]))[0][0, 0])
+        thin = self.thin
+        given = thin.mass_per_area, thin.stiffness, thin.size, thin.size, 0.0, self.shear
+        return plates.highest(plates.Plate(*numbers_of(*given)))
 
     def half_waves(self, highest: float) -> list[float]:
         """Half-waves along both sides up to a frequency."""
@@ -81,51 +86,25 @@ class ThickPanel:
         """Degrees of the polynomials along both sides that resolve them."""
         return [DEGREES[1] + math.ceil(DEGREES[0] * number) for number in self.half_waves(highest)]
 
-    def missing(self, position: tuple[float, float]) -> str:
-        """Why its motion is not known where it is struck; empty if it is."""
-        (a, b), (x, y) = self.thin.size, position
-        near = zip(self.thin.edges, (x, a - x, y, b - y), strict=True)
-        if any(edge == "free" and distance < self.thickness for edge, distance in near):
-            return "the plate is struck within its thickness of a free edge"
+    @property
+    def missing(self) -> str:
+        """Why its motion is not known; empty if it is."""
         sides = enumerate(self.degrees(self.highest))
         largest = 3 * math.prod((n + 2) // 2 if symmetric(self.thin, k) else n + 1 for k, n in sides)
-        many = largest > MOST_FUNCTIONS and self.thin.ends != (SIMPLE, SIMPLE)
-        return "the plate is so thin that it has too many vibrations for it" if many else ""
+        return "the plate is so thin that it has too many vibrations for it" if largest > MOST_FUNCTIONS else ""
 
 
-def thick_modes(plate: ThickPanel, position: tuple[float, float], highest: float, others: Points = ()) -> Modes:
-    """The bending vibrations of a plate struck at `position` [m] up to the frequency `highest` [rad/s], and waves of
-    k h = `SHORTEST`. others: sensors, m, or with orders of derivatives; those of the second order are curvatures of
-    ψ."""
+def thick_modes(plate: ThickPanel, position: Point, highest: float, others: Points = ()) -> Modes:
+    """The bending vibrations of a plate that is not simply supported, struck at `position` [m], up to the frequency
+    `highest` [rad/s] and the core's shortest waves. others: sensors, m, or with orders of derivatives; those of the
+    second order are curvatures of ψ."""
     return _thick_modes(plate, (position, *others), min(highest, plate.highest))
 
 
 @lru_cache(maxsize=16)
 @one_thread
 def _thick_modes(plate: ThickPanel, points: Points, highest: float) -> Modes:
-    if plate.thin.ends == (SIMPLE, SIMPLE):
-        return _simple(plate, points, highest)
     return seen_modes(plate.thin, list(_ritz(plate, points, plate.degrees(highest))), highest)
-
-
-def _simple(plate: ThickPanel, points: Points, highest: float) -> Modes:
-    """Of simply supported edges: w = sin(iπx/a) sin(jπy/b), ψ = Ψ ∇w/k."""
-    (a, b), thin = plate.thin.size, plate.thin
-    i, j = (
-        np.arange(1.0, number + 1.0) * math.pi / side
-        for number, side in zip(plate.half_waves(highest), (a, b), strict=True)
-    )
-    along, across = (each.ravel() for each in np.meshgrid(i, j, indexing="ij"))
-    k = np.hypot(along, across)
-    square, turn = (each[0] for each in sheared_waves(plate.strip, k, thin.foundation))
-    seen = list[Array]()
-    for x, y, *orders in points:
-        m, n = orders or (0.0, 0.0)
-        factor = 1.0 - plate.bulge * k * turn if m + n == 0.0 else turn / k if m + n == 2.0 else 1.0
-        waves = along**m * np.sin(along * x + m * math.pi / 2) * across**n * np.sin(across * y + n * math.pi / 2)
-        seen.append(factor * waves)
-    moved = np.array(seen) * 2.0 / np.sqrt(a * b * (thin.mass_per_area + plate.strip.turning * turn**2))
-    return sorted_modes(np.sqrt(square), moved[0] ** 2, highest, moved[0] * moved[1:])
 
 
 # ---------------------------------------------------------------- Ritz
@@ -217,7 +196,7 @@ def _at_a_point(plate: ThickPanel, orders: tuple[float, ...]) -> list[Term]:
 
 def _ritz(plate: ThickPanel, points: Points, degrees: list[int]) -> Iterator[tuple[Array, Array]]:
     """Frequencies, rad/s, and shapes at the points of each group of products that do not interact."""
-    thin, shear = plate.thin, plate.shear
+    thin, shear = plate.thin, 1 / plate.shear[1]
     d11, d12, d22, d66 = thin.stiffness
     k_x, k_y, k_xy = _CURVED
     pairs = [(d11, k_x, k_x), (d22, k_y, k_y), (d12, k_x, k_y), (d12, k_y, k_x), (d66, k_xy, k_xy)]
@@ -276,19 +255,16 @@ def _springs(thin: Panel, made: _Products) -> Array:
 
 @lru_cache(maxsize=64)
 @one_thread
-def thick_compliance(plate: ThickPanel, position: tuple[float, float]) -> tuple[float, float]:
+def thick_compliance(plate: ThickPanel, position: Point) -> tuple[float, float]:
     """Static deflection over force less that of the contact's half-space, m/N, and a bound on its error.
 
-    Simply supported: that of the thin plate and 6 (1 − ν²)/(5π E h) (ln(ℓ/h) − 1.054), as of `shear_around`. Others
-    differ from that by what Ritz's method gives for both, because their polynomials lack the same around the force.
+    The part of shear differs from that of simply supported edges, `shear_compliance`, by what Ritz's method gives for
+    both, because their polynomials lack the same around the force.
     """
     thin = plate.thin
     bent, error = compliance_and_error(thin, position)
     simple = Panel(thin.mass_per_area, thin.stiffness, thin.size, SIMPLE + SIMPLE)
-    softness = plate.thickness**2 / (10 * math.pi * thin.stiffness[0])
-    sheared = softness * (math.log(reach_of_simple(thin.size, position) / plate.thickness) - LOCAL)
-    if thin == simple:
-        return bent + sheared, error
+    sheared = shear_compliance(thin.stiffness, thin.size, position, plate.shear)
     lower, last = (
         _shear_of(plate, position, degree) - _shear_of(replace(plate, thin=simple), position, degree)
         for degree in (LOWER_DEGREE, STATIC_DEGREE)
@@ -296,7 +272,7 @@ def thick_compliance(plate: ThickPanel, position: tuple[float, float]) -> tuple[
     return bent + sheared + last, error + REMAINDER * abs(last - lower)
 
 
-def _shear_of(plate: ThickPanel, position: tuple[float, float], degree: int) -> float:
+def _shear_of(plate: ThickPanel, position: Point, degree: int) -> float:
     """Deflection over force of polynomials with shear less that without."""
     total = -ritz_compliance(plate.thin, position, degree)
     for frequency, moved in _ritz(plate, (position,), [degree, degree]):

@@ -77,18 +77,16 @@ class Core {
 
   /**
    * The modes of a simply supported plate up to a frequency.
-   * @param {number[]} numbers of film_plate @param {number} x struck point @param {number} y @param {number} highest
+   * @param {number[]} numbers of film_plate @param {number} highest
    */
-  plateModes(numbers, x, y, highest) {
+  plateModes(numbers, highest) {
     const [frequencies, shapes] = this.ofPlate(numbers, (place) => {
       const room = Math.floor(this.c.film_plate_most(place, highest));
-      const at = this.numbersAt([x, y, 0, 0]);
       const columns = [0, 1].map(() => this.allocate(8 * room));
-      const count = Number(this.c.film_plate_modes(place, highest, 1, at, BigInt(room), ...columns));
+      const count = Number(this.c.film_plate_modes(place, highest, 0, 0, BigInt(room), ...columns));
       return columns.map((column) => new Float64Array(this.c.memory.buffer, column, count).slice());
     });
-    const [a, b, mass] = numbers;
-    return sortedModes(frequencies, Array.from(shapes, (shape) => (shape ** 2 * 4) / (mass * a * b)), highest);
+    return sortedModes(frequencies, Array.from(shapes, (shape) => shape ** 2), highest);
   }
 
   /** Give up what is kept if it fills too much memory. */

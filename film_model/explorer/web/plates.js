@@ -33,21 +33,21 @@ function plateNow(scene) {
   const edges = scene.edges.map((edge) => DATA.edges.indexOf(edge));
   const key = [a, b, ...Object.values(numbers), ...point, ...edges].join(" ");
   if (CORE.plate.key === key) return CORE.plate;
-  const whole = /** @type {Panel} */ (/** @type {any} */ ({ a, b, edges, ...numbers }));
+  const whole = /** @type {any} */ ({ a, b, edges, ...numbers });
   const plate = edges.some((edge) => edge !== 0) ? ofEdges(whole, point) : ofSimpleEdges(whole, point);
   CORE.plate = Object.assign(plate, { key, part, lacking: null, modes: {} });
   return CORE.plate;
 }
 
-/** A simply supported plate, by the core's closed form. @param {Panel} plate @param {number[]} point */
-function ofSimpleEdges({ a, b, mass, d11, d12, d22, d66 }, [x, y]) {
-  const whole = [a, b, mass, d11, d12 + 2 * d66, d22, 0];
-  const upTo = (/** @type {number} */ highest) => CORE.plateModes(whole, x, y, highest);
+/** A simply supported plate, by the core's closed form. @param {Panel & {thickness: number, softness: number, bulge: number}} plate @param {number[]} point */
+function ofSimpleEdges({ a, b, mass, d11, d12, d22, d66, thickness, softness, bulge }, point) {
+  const whole = [a, b, ...point, mass, d11, d12 + 2 * d66, d22, 0, thickness, softness, bulge];
+  const upTo = (/** @type {number} */ highest) => CORE.plateModes(whole, highest);
   const { most_computed: limit, least_frequency: least } = DATA.constants.vibration;
   let [lowest, highest] = [least, 2 ** 60];
   while (CORE.ofPlate(whole, (place) => CORE.c.film_plate_most(place, highest)) > limit) highest /= 2 ** 0.25;
   while (lowest < highest && upTo(lowest).frequency.length === 0) lowest *= 2;
-  const compliance = CORE.ofPlate(whole, (place) => CORE.c.film_plate_compliance(place, x, y));
+  const compliance = CORE.ofPlate(whole, (place) => CORE.c.film_plate_compliance(place));
   return { held: true, compliance, compliance_error: 0, lowest: upTo(lowest).frequency[0] ?? 0, highest, upTo };
 }
 

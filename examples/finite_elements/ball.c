@@ -116,7 +116,7 @@ int main(int count, char **words)
         option[k - 1] = strtod(words[k], NULL);
     }
     const double nu = option[0], E = 1.0 - nu * nu;
-    const Material material = {E, 0.5 * E / (1.0 + nu), E / (3.0 * (1.0 - 2.0 * nu)), 0.0, 0.25, 0};
+    const Material material = {E, 0.5 * E / (1.0 + nu), E / (3.0 * (1.0 - 2.0 * nu)), 0.0, 0.25, 0.0, 0};
     Mesh mesh = mesh_of(option[2], (int)option[3], option[4], option[5], material);
     strike(&mesh, option[1]);
     return 0;

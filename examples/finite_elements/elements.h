@@ -5,6 +5,7 @@
 typedef struct {
     double modulus, shear, bulk, exponent; /* in Y */
     double hourglass;                      /* stiffness against hourglassing over that of bending */
+    double damping;                        /* of hourglassing, over density x wave speed x size */
     int yields;
 } Material;
 

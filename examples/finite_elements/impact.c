@@ -133,7 +133,7 @@ int main(int count, char **words)
         option[k - 1] = strtod(words[k], NULL);
     }
     const double E = option[0], nu = option[1];
-    Material material = {E, 0.5 * E / (1.0 + nu), E / (3.0 * (1.0 - 2.0 * nu)), option[2], option[9], option[10] != 0.0};
+    Material material = {E, 0.5 * E / (1.0 + nu), E / (3.0 * (1.0 - 2.0 * nu)), option[2], option[9], 0.0, option[10] != 0.0};
     Mesh mesh = mesh_of(option[5], (int)option[6], option[7], option[8], material);
     Ball ball = strike(&mesh, (Ball){option[3], option[4], 0.0});
     for (int k = 12; k < count; k++) {

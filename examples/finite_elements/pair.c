@@ -5,10 +5,9 @@
  * Nodes of the flat surface do not enter the segments of the ball's: impulses by Gauss and Seidel's iteration conserve
  * momentum. The inertia of the half-spaces is not the question, as in impact.c. Lengths are in ball radii, stresses in Y.
  *
- *     pair E nu n Y E nu n Y mass velocity element fine growth extent hourglass courant
+ *     pair E nu n Y E nu n Y mass velocity element fine growth extent hourglass
  *
- * first the ball's E, nu, n and Y, then those of the half-space, courant: step over the critical one; the rest and what is
- * printed are those of impact.c. */
+ * first the ball's E, nu, n and Y, then those of the half-space; the rest and what is printed are those of impact.c. */
 
 #include <math.h>
 #include <stdio.h>
@@ -19,6 +18,8 @@
 enum { STEPS_OF_A_RECORD = 8, STEPS_OF_A_LIMIT = 10, QUIET_STEPS = 500, SWEEPS = 40 };
 
 static const double CAP = 0.6, CLOSED = 1e-7; /* CLOSED: overlap left, over the finest element's size */
+static const double COURANT = 0.8;            /* of the critical time step; the viscosity takes the rest */
+static const double DAMPING = 0.2;            /* without it waves along the surfaces grow where the ball yields first */
 
 typedef struct {
     Mesh mesh;
@@ -43,7 +44,8 @@ static Half half_of(const double *option, double h, int fine, double growth, dou
     double x[MOST_NODES];
     const double E = option[0] / option[3], nu = option[1];
     const int count = graded(h, fine, growth, extent, x), nodes = (count + 1) * (count + 1);
-    Mesh mesh = new_mesh(count, (Material){E, 0.5 * E / (1.0 + nu), E / (3.0 * (1.0 - 2.0 * nu)), option[2], hourglass, 1});
+    const Material material = {E, 0.5 * E / (1.0 + nu), E / (3.0 * (1.0 - 2.0 * nu)), option[2], hourglass, DAMPING, 1};
+    Mesh mesh = new_mesh(count, material);
     for (int k = 0; k < nodes; k++) {
         mesh.r[k] = x[k % (count + 1)];
         mesh.z[k] = -x[k / (count + 1)] - (round ? height(mesh.r[k]) : 0.0);
@@ -139,7 +141,7 @@ static double contact(Half *ball, Half *flat, double depth, double dt, int *touc
     return force;
 }
 
-static void strike(Half *ball, Half *flat, double mass, double speed, double courant)
+static void strike(Half *ball, Half *flat, double mass, double speed)
 {
     const double first = 0.5 * mass * speed * speed;
     double depth = 0.0, velocity = speed, time = 0.0, last = 0.0, impulse = 0.0, since = 0.0, kinetic = 0.0, dt = 0.0;
@@ -147,7 +149,7 @@ static void strike(Half *ball, Half *flat, double mass, double speed, double cou
     int farthest = -1, quiet = 0;
     for (long step = 0; quiet < QUIET_STEPS; step++) {
         if (step % STEPS_OF_A_LIMIT == 0) {
-            dt = courant * fmin(critical_step(&ball->mesh), critical_step(&flat->mesh));
+            dt = COURANT * fmin(critical_step(&ball->mesh), critical_step(&flat->mesh));
         }
         kinetic = move_nodes(ball, dt) + move_nodes(flat, dt);
         depth += dt * velocity;
@@ -178,9 +180,9 @@ static void strike(Half *ball, Half *flat, double mass, double speed, double cou
 
 int main(int count, char **words)
 {
-    double option[16];
-    if (count != 17) {
-        fputs("usage: pair E nu n Y E nu n Y mass velocity element fine growth extent hourglass courant\n", stderr);
+    double option[15];
+    if (count != 16) {
+        fputs("usage: pair E nu n Y E nu n Y mass velocity element fine growth extent hourglass\n", stderr);
         return 1;
     }
     for (int k = 1; k < count; k++) {
@@ -189,6 +191,6 @@ int main(int count, char **words)
     const double wave = fmin(option[0] / option[3], option[4] / option[7]), *mesh = option + 10;
     Half ball = half_of(option, mesh[0], (int)mesh[1], mesh[2], mesh[3], mesh[4], wave, 1);
     Half flat = half_of(option + 4, mesh[0], (int)mesh[1], mesh[2], mesh[3], mesh[4], wave, 0);
-    strike(&ball, &flat, option[8], option[9], mesh[5]);
+    strike(&ball, &flat, option[8], option[9]);
     return 0;
 }

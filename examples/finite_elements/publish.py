@@ -14,7 +14,6 @@ from film_datasets.schema import MEASUREMENT, TABLE, content_sha256
 PUBLISHED = Path(__file__).parents[2] / "datasets" / "published"
 DEPTHS = np.geomspace(0.2, 1.0, 25)  # over the largest; below, fewer than 14 elements are in contact
 HELD_OUT_EVERY = 3  # runs 2, 5, 8, ... stay out of the fit
-LARGEST_IMBALANCE = 0.01  # of the energy of a pair: beyond, elements hourglass; the run is left out
 SCALARS = {
     "coefficient_of_restitution": "restitution",
     "largest_depth": "depth",
@@ -85,13 +84,11 @@ def dataset(folder: Path) -> xr.Dataset:
 
 def pairs(folder: Path) -> xr.Dataset:
     """The dataset of all pairs in a folder."""
-    every, coarse = runs_in(folder)
-    runs = [run for run in every if abs(run["balance"]) < LARGEST_IMBALANCE]
-    kept = {run["index"] for run in runs}
+    runs, coarse = runs_in(folder)
     columns = {name: [run[key] for run in runs] for name, key in SCALARS.items()}
     columns |= {name: [run["pair"][key] for run in runs] for name, key in OF_PAIRS.items()}
     columns |= {
-        "mesh_error": mesh_errors(runs, [run for run in coarse if run["index"] in kept], "pair"),
+        "mesh_error": mesh_errors(runs, coarse, "pair"),
         "harder_share": [run["harder"] for run in runs],
         "held_out": [run["index"] % HELD_OUT_EVERY == HELD_OUT_EVERY - 1 for run in runs],
     }

@@ -35,7 +35,7 @@ SOURCES = (
     *PLATES,
     *ONE_IMPACT,
     *platforms.RELAXING,
-    *platforms.core("oblique", "friction", "friction_step", "friction_quick", "friction_many"),
+    *platforms.core("oblique", "friction", "friction_step", "friction_quick", "friction_many", "motions"),
     *platforms.SLIDING,
     *platforms.core("chain", "chain", "chain_step", "chain_events"),
 )

@@ -22,7 +22,7 @@ import film_datasets as fd
 import film_model as fm
 from examples.finite_elements.against_laws import COMPARED, FASTEST, Runs, errors, runs_of
 from examples.model_intervals import coverage, coverage_from_others, coverage_of_new_sources, slow_predictions
-from examples.validation_inputs import (
+from examples.reference.validation_inputs import (
     FAST,
     NEAR,
     ROUGH,

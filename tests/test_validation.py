@@ -9,7 +9,7 @@ import pytest
 from test_examples import EXAMPLES
 
 import film_datasets as fd
-from examples.validation_inputs import (
+from examples.reference.validation_inputs import (
     BY_NAME,
     COMPLETE,
     FAST,

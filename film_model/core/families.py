@@ -33,7 +33,7 @@ class Family(c.Structure):
         return Family.of, (self.low, self.high, end, places.astype(int).tolist(), table)
 
 
-@native.MANY.structure("film_motions")
+@native.MOTIONS.structure("film_motions")
 class _Room(c.Structure):
     """Memory for the motions of many contacts."""
 

@@ -98,7 +98,7 @@ class Summary(c.Structure):
     """What one contact did."""
 
 
-SOLVE, MANY = Header("march/film_solve.h", CORE), Header("batch/film_many.h", CORE)
+SOLVE, MOTIONS = Header("march/film_solve.h", CORE), Header("oblique/film_motions.h", CORE)
 
 
 @SOLVE.structure("film_solution")
@@ -122,7 +122,7 @@ def library() -> Any:
     if not os.path.exists(path):
         raise ImportError(f"{path} is missing: install the package (pip install .), which compiles it")
     lib = c.CDLL(path)
-    for header in (CORE, SOLVE, MANY):
+    for header in (CORE, SOLVE, Header("batch/film_many.h", CORE), MOTIONS):
         header.declare(lib)
     CORE.check(lib, "film_sizes", Curve, Mesh, Line, State, Summary)
     return lib

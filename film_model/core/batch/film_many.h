@@ -4,6 +4,10 @@
 
 #include "film_core.h"
 
+/* The lines of one contact that begins with a velocity; *line_count is 0 if it fails. film_record's status. */
+int film_record_one(const film_curve *curve, const film_mesh *mesh, const film_start *start, film_line *lines, int64_t line_room,
+                    int32_t *line_count, film_state *events, int32_t event_room);
+
 /* film_record by lines alone for many contacts: lines one after the other, line_counts[i] of contact i, 0 if it fails or does
  * not begin with a velocity. Returns how many contacts were recorded: all, or those before the first that does not fit. */
 FILM_API int64_t film_record_many(const film_curve *curve, const film_mesh *mesh, int64_t count, const film_start *start,
@@ -18,22 +22,5 @@ FILM_API void film_line_columns(int64_t count, const film_line *lines, int64_t s
  * NaN for a contact without lines or whose last time is not finite. The bits are the same with all instructions. */
 FILM_API void film_sample_many(int instructions, const film_curve *curve, int64_t count, const film_line *lines,
                                const int32_t *line_counts, int64_t samples, const double *times, double *values);
-
-/* Room for film_motions_many: lines and events of one contact, and 5 values of each sample. */
-typedef struct {
-    film_line *lines;
-    film_state *events;
-    double *sampled;
-    int64_t samples;
-    int32_t line_room, event_room, instructions, reserved;
-} film_motions;
-
-/* Force, depth and, of a reversible law and unless NULL, the slope of its force, of many contacts over time, by lines alone:
- * times[i samples + k], force[i samples + k]; and the power of film_springs_power. Curves differ as in film_batch_in_series;
- * compliance may be NULL. Forces are NaN of a contact that fails, has more lines than there is room, or no finite last time. */
-FILM_API void film_motions_many(const film_motions *room, const film_curve *curve, const film_mesh *mesh, int64_t count,
-                                const film_start *start, const double *compliance, const film_family *family,
-                                const double *shape, int32_t varying, const int32_t *places, const double *values,
-                                const double *times, double *force, double *depth, double *slope, double *power);
 
 #endif

@@ -1,0 +1,46 @@
+/* See film_motions.h. */
+#include "oblique/film_motions.h"
+
+#include "batch/film_batch.h"
+#include "batch/film_many.h"
+#include "oblique/film_springs.h"
+
+#include <string.h>
+
+/* Force and depth of one contact over time and, unless it is NULL, the slope of the force. */
+static int one_motion(const film_motions *m, const film_curve *curve, const film_mesh *mesh, const film_start *start,
+                      const double *times, double *force, double *depth, double *slope) {
+    int64_t samples = m->samples;
+    int32_t lines;
+    int status = film_record_one(curve, mesh, start, m->lines, m->line_room, &lines, m->events, m->event_room);
+    if (status < 0) return status;
+    film_routines(m->instructions)->sample(curve, m->lines, lines, times, samples, m->sampled, samples);
+    memcpy(depth, m->sampled, (size_t)samples * sizeof *depth);
+    memcpy(force, m->sampled + 2 * samples, (size_t)samples * sizeof *force);
+    if (slope) film_springs_slopes(curve, samples, force, depth, slope);
+    return status;
+}
+
+void film_motions_many(const film_motions *m, const film_curve *curve, const film_mesh *mesh, int64_t count, const film_start *start,
+                       const double *compliance, const film_family *family, const double *shape, int32_t varying,
+                       const int32_t *places, const double *values, const double *times, double *force, double *depth,
+                       double *slope, double *power) {
+    film_curves of = {curve, family, shape, compliance, values, places, varying};
+    film_mesh lines = *mesh;
+    film_curve made;
+    int alike = family == NULL && varying == 0 && compliance == NULL;
+    lines.ways = FILM_LINES_ALONE;
+    if (!alike) made = *curve;
+    for (int64_t i = 0; i < count; i++, times += m->samples, force += m->samples, depth += m->samples) {
+        int status = FILM_BAD_NUMBER;
+        double energy = family == NULL ? INFINITY : film_most_work(curve, &start[i]);
+        double *own_slope = slope ? slope + i * m->samples : NULL;
+        for (int again = isfinite(times[m->samples - 1]); again; energy = INFINITY) { /* as march_in_series */
+            status = alike ? FILM_OK : film_curve_of(&of, i, energy, &made);
+            if (status >= 0) status = one_motion(m, alike ? curve : &made, &lines, &start[i], times, force, depth, own_slope);
+            again = status == FILM_BEYOND_LAW && energy < INFINITY;
+        }
+        power[i] = film_springs_power(alike ? curve : &made);
+        for (int64_t k = 0; k < m->samples && status < 0; k++) force[k] = NAN;
+    }
+}

@@ -1,0 +1,24 @@
+/* The normal motions of many contacts, from which springs of friction take their forces. docs/method.md, section 15. */
+#ifndef FILM_MOTIONS_H
+#define FILM_MOTIONS_H
+
+#include "film_core.h"
+
+/* Room for film_motions_many: lines and events of one contact, and 5 values of each sample. */
+typedef struct {
+    film_line *lines;
+    film_state *events;
+    double *sampled;
+    int64_t samples;
+    int32_t line_room, event_room, instructions, reserved;
+} film_motions;
+
+/* Force, depth and, of a reversible law and unless NULL, the slope of its force, of many contacts over time, by lines alone:
+ * times[i samples + k], force[i samples + k]; and the power of film_springs_power. Curves differ as in film_batch_in_series;
+ * compliance may be NULL. Forces are NaN of a contact that fails, has more lines than there is room, or no finite last time. */
+FILM_API void film_motions_many(const film_motions *room, const film_curve *curve, const film_mesh *mesh, int64_t count,
+                                const film_start *start, const double *compliance, const film_family *family,
+                                const double *shape, int32_t varying, const int32_t *places, const double *values,
+                                const double *times, double *force, double *depth, double *slope, double *power);
+
+#endif

@@ -270,6 +270,7 @@ def test_coarse_accuracy_is_met_and_a_short_one_is_not_promised(monkeypatch):
         (("[contact]", "[effects]\nplasticity = true\n[contact]"), "effects.plasticity: unknown key of a chain"),
         (("[contact]", '[target]\nkind = "rod"\n[contact]'), 'target.kind: "rod" is not supported behind a chain'),
         (("[contact]", "[effects]\ngravity = true\n[contact]"), "effects.gravity: is true: weight needs a target"),
+        (("[contact]", "[contact]\nfriction = 0.3"), "contact.friction: is given, but bodies of a chain touch without"),
         (("[contact]", "[solver]\naccuracy = 2\n[contact]"), "chain:11: solver.accuracy: 2 is out of range"),
         (("title =", "titel ="), 'chain:1: titel: unknown key; did you mean "title"?'),
         (("[[bodies]]", "[bodies]"), "not TOML"),

@@ -204,6 +204,10 @@ class Chain(InUnits):
         ]
         if self.gravity and self.target is None:
             found.append(Mistake(None, None, "Chain.gravity", "is true: weight needs a target to fall onto"))
+        if self.contact.friction not in (None, 0.0):
+            found.append(
+                Mistake(None, None, "contact.friction", "is given, but bodies of a chain touch without friction")
+            )
         found += self._wrong_names()
         return found or self._wrong_contacts()
 

@@ -138,7 +138,9 @@ def said_over_true(slenderness, mass, position):
     thickness, size = SIDE / slenderness, (SIDE, SIDE)
     number, share = waves(position, size, 1 / thickness)
     thick, moved = np.array([lowest_wave(k, thickness) for k in number]).T
-    plate = fm.Plate(STEEL, f"{thickness} m", size=[f"{SIDE} m"] * 2, position=[f"{x} m" for x in position])
+    plate = fm.Plate(
+        STEEL, f"{thickness} m", size=[f"{SIDE} m"] * 2, position=[f"{x} m" for x in position], theory="kirchhoff"
+    )
     static, lacking = plate.compliance, neglected_deflection(thickness, size, position)
     rest = static + lacking - float(np.sum(share * moved / thick**2))
     shear = largest_force_time_and_rebound(mass, thick, share * moved, rest)

@@ -10,7 +10,9 @@ enum { HALVINGS = 32 };
 /* More segments do not help: estimates below SMALL fall by less than STALLED, or an error below rounding by less than FALLS. */
 static const double STALLED = 0.7, SMALL = 1e-9, FALLS = 0.5;
 
-/* A motion in which nothing ends has to agree to this fraction at times between; below it, only its end counts, as in other contacts. */
+/* On meshes of more segments than SO_MANY a motion in which nothing ends has to agree to BETWEEN at times before the limit; there,
+ * within lines, errors fall more slowly than at the limit. */
+enum { SO_MANY = 3072 };
 static const double BETWEEN = 1e-4;
 
 typedef double film_way[HALVINGS + 1][2];
@@ -45,7 +47,7 @@ static double apart(const film_curve *curve, const film_start *start, const film
             difference = fmax(difference, fabs(way[k][column] - finer[k][column]));
             largest = fmax(largest, fabs(finer[k][column]));
         }
-        if (difference > BETWEEN * largest) off = fmax(off, difference / largest);
+        if (meshes[1].loading <= SO_MANY || difference > BETWEEN * largest) off = fmax(off, difference / largest);
     }
     memcpy(way, finer, sizeof finer);
     *known = 1;

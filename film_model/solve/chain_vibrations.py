@@ -20,7 +20,7 @@ from film_model.core import chaining, native
 from film_model.problem.chain_contacts import ChainContact, speed_of
 from film_model.scene.chain import Chain, Link
 from film_model.solve.structures import ABOVE, MOST_MODES, rounded
-from film_model.solve.vibration import DAMPED_FACTOR, DAMPED_FALL, FIRST_PHASE, MODES_FACTOR, MODES_FALL, NEGLIGIBLE
+from film_model.solve.vibration import FIRST_PHASE, NEGLIGIBLE, error_of
 from film_model.targets import AbstractTarget
 from film_model.targets.several import compliance, seen
 
@@ -122,12 +122,11 @@ def refined(
 ) -> tuple[chaining.Run, Followed, float]:
     """The run with as many vibrations as the accuracy needs, how it was followed, and its error estimate.
 
-    first: highest frequency of the first run, rad/s. It is doubled until three runs agree, by the rule of
+    first: highest frequency of the first run, rad/s. It is doubled until three runs agree, as in
     `film_model.solve.vibration.vibrate`. damped: whether a law is. inexact: whether the static compliances have errors
     that may matter; their effect is that of one more run.
     """
     followed, runs, work, estimated = [Followed(first, STEP * accuracy)], list[chaining.Run](), 0, math.inf
-    factor, fall = (DAMPED_FACTOR, DAMPED_FALL) if damped else (MODES_FACTOR, MODES_FALL)
     while True:
         try:
             runs.append(run(followed[-1]))
@@ -143,7 +142,7 @@ def refined(
         work += runs[-1].work
         changes = [difference(*pair) for pair in pairwise(runs[-3:])]
         if changes:
-            estimated = factor * max(changes[-1], changes[0] / fall) + followed[-1].tolerance
+            estimated = float(error_of(damped, changes[0], changes[-1])) + followed[-1].tolerance
         if len(runs) > 2 and (estimated <= accuracy or work + GROWTH * runs[-1].work > chaining.MOST_WORK):
             break
         followed.append(Followed(2.0 * followed[-1].highest, followed[-1].tolerance))

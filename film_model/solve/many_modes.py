@@ -278,7 +278,7 @@ def _refined(
         fine = run.core
         if k > 0:
             change = difference(problem, Columns(coarse), Columns(fine))
-            errors = vibration.error_of(problem, before, change) + steps
+            errors = vibration.error_of(problem.law.damped, before, change) + steps
             done = (errors <= accuracy) & (run.status >= 0)
             status[left[done]], core[left[done]], estimated[left[done]] = (
                 run.status[done],

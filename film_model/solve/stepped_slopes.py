@@ -78,7 +78,7 @@ def slopes_on_modes(choice: Choice, pairs: Pairs, found: Vibration, accuracy: fl
     """
 
     def error(before: Array, change: Array) -> Array:
-        return vibration.error_of(choice.problem, before, change)
+        return vibration.error_of(choice.problem.law.damped, before, change)
 
     slopes = Slopes.none(len(pairs.paths))
     for k, path in enumerate(pairs.paths):

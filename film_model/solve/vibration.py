@@ -244,7 +244,7 @@ def _refined(
 ) -> tuple[Vibration, Vibration, float]:
     """`vibrate` with the highest frequency between two values: the last two runs, and the estimate. limit: as of `run`.
     recorded: whether a run that is sure to be the last is recorded at once."""
-    (highest, most), tolerance = between, step_tolerance(accuracy)
+    (highest, most), tolerance, damped = between, step_tolerance(accuracy), problem.law.damped
 
     def follow(upto: float, tolerance: float, expected: int = 0) -> Vibration:
         return run(problem, modes(upto), tolerance, limit, expected > 0, expected)
@@ -270,7 +270,7 @@ def _refined(
             runs.insert(0, follow(highest / 4.0, REFINED**2 * tolerance))
         if len(runs) > 2:
             before, change = (differences(problem, *(r.summary for r in pair)) for pair in (runs[-3:-1], runs[-2:]))
-            errors = {name: float(error_of(problem, before[name], change[name])) + tolerance for name in change}
+            errors = {name: float(error_of(damped, before[name], change[name])) + tolerance for name in change}
             if (estimated := max(errors.values())) <= accuracy:
                 return runs[-2], runs[-1], estimated
             if last:
@@ -310,10 +310,10 @@ def _step_share(problem: Problem, found: Vibration, structure: structures.Struct
     return min(1.0, impulse / (rate * max(problem.approach, SLOWEST))) if rate > 0.0 else 1.0
 
 
-def error_of(problem: Problem, before: Any, change: Any) -> Any:
-    """Bound on the error of a run. change: its difference to a run with half the highest frequency; before: the same of
-    that run."""
-    factor, fall = (DAMPED_FACTOR, DAMPED_FALL) if problem.law.damped else (MODES_FACTOR, MODES_FALL)
+def error_of(damped: bool, before: Any, change: Any) -> Any:
+    """Bound on the error of a run, of a law with damping or without. change: its difference to a run with half the
+    highest frequency; before: the same of that run."""
+    factor, fall = (DAMPED_FACTOR, DAMPED_FALL) if damped else (MODES_FACTOR, MODES_FALL)
     return factor * np.maximum(change, before / fall)
 
 

@@ -22,7 +22,7 @@ static const double FEW_LINES = 400.0;
  * tests/test_one_and_many.py, seed 1390. */
 static const double SERIES_ROUNDING = 2e4;
 
-/* A turn nearer than 1e-9 of the indentation is taken under a constant force (film_next.c). That matters if this is more than
+/* A turn nearer than 1e-9 of the indentation is taken along a tangent (film_next.c). That matters if this is more than
  * about 1e-2 of the indentation beyond the clearance. */
 static const double SHORT_WAY = 1e-9, DEEP = 1e7;
 

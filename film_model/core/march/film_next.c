@@ -6,7 +6,7 @@
  * plans extra legs. */
 static const double TURN_SPEED = 1e-6;
 
-/* A way to the turn below this fraction of the depth is mostly rounding, so the motion turns under a constant force instead.
+/* A way to the turn below this fraction of the depth is mostly rounding, so the motion turns on the law's tangent instead.
  * core_check.c, check_found: "a stop next to a turn". */
 static const double SHORT_WAY_TO_TURN = 1e-9;
 
@@ -223,7 +223,7 @@ static int line_to_turn(const film_curve *curve, const film_mesh *mesh, film_sta
     return s->tau_end < INFINITY ? FILM_OK : FILM_BEYOND_LAW;
 }
 
-/* For a turn so near that a line to it would be rounding: the motion turns under the force that acts here, if this force
+/* For a turn so near that a line to it would be rounding: the motion turns on the law's tangent, if the force that acts here
  * stops it within SHORT_WAY_TO_TURN. Returns 1 if so. */
 static int turn_at_once(const film_curve *curve, film_state *s, double length) {
     int no_leg = !(length > 0.0) && s->leg_to == s->leg_from;
@@ -231,7 +231,8 @@ static int turn_at_once(const film_curve *curve, film_state *s, double length) {
     if (!(speed > 0.0 && (no_leg || speed * speed <= 2.0 * SHORT_WAY_TO_TURN * pull * fabs(s->xi)))) return 0;
     film_end_here(s, ENDS_TURN);
     s->line.damping = damping_at(curve, &s->line, s->xi);
-    motion m = motion_on(s, s->elastic, 0.0);
+    s->line.kappa = fmax(law_slope(curve, &s->line, s->xi), 0.0);
+    motion m = motion_on(s, s->elastic, s->line.kappa);
     s->tau_end = pull > 0.0 ? turn_time(&m) : 0.0;
     s->nu_end = s->gamma * s->elastic;
     return 1;

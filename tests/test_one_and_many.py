@@ -467,6 +467,14 @@ def test_one_many_and_steps_agree_where_rounding_or_a_tilt_decided(seed):
     assert not swept_disagreements(random_scene(seed, ALL_LAWS), seed)
 
 
+def test_the_time_of_a_turn_just_beyond_the_balance_converges():
+    """An over-damped contact creeps past its balance under the weight, and turns after 1e-5 of its depth."""
+    scene = random_scene(1501964, ALL_LAWS)
+    times = [fm.simulate(scene, segments=n).summary["time_of_maximum_indentation"] for n in (96, 192, 384, 768)]
+    first, second, third = np.abs(np.diff(times))
+    assert second < first / 10 and third < second / 10
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("first", range(1000, 3000, 100))
 def test_one_many_and_steps_agree_on_many_random_scenes(first):

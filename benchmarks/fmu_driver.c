@@ -84,8 +84,9 @@ static void by_record(const subject *s) { /* the march with every line and event
     const model *m = &((instance *)s->c)->model;
     film_state state = s->state;
     int32_t line_count, event_count;
+    film_summary summary;
     film_record(&m->data->curve, &m->mesh, &state, s->end / m->memory.time_scale, lines, LINE_ROOM, &line_count, events, EVENT_ROOM,
-                &event_count);
+                &event_count, &summary);
     checksum += state.xi;
 }
 

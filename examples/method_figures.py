@@ -123,7 +123,7 @@ class Case:
     def lines(self, mesh: native.Mesh) -> tuple[np.ndarray, np.ndarray]:
         """The lines of the whole contact, and the states at its events."""
         state = native.initial_state(self.curve, self.start)
-        _, lines, events = native.record(self.curve, mesh, state, math.inf, 10000)
+        _, lines, events, _ = native.record(self.curve, mesh, state, math.inf, 10000)
         return lines[:-1], events  # without the flight
 
 
@@ -397,7 +397,7 @@ def follow(case: Case, mesh: native.Mesh, schedule: list[tuple[float, float]]) -
     found = []
     for until, load in schedule:
         native.set_input(state, load, 0.0, 0.0)
-        _, lines, _ = native.record(case.curve, mesh, state, until, 10000)
+        _, lines, _, _ = native.record(case.curve, mesh, state, until, 10000)
         found.append(lines)
     return np.concatenate(found), state.spent
 

@@ -193,7 +193,7 @@ static void check_bad_meshes(void) {
         HOLD(film_marched(&curves[HERTZ], &mesh, &start, &summary) == FILM_BAD_MESH);
         HOLD(film_init(&curves[HERTZ], &s, 0.0, 1.0, 0.0, 0.0, 0.0) == FILM_OK);
         HOLD(film_step(&curves[HERTZ], &mesh, &s, 1.0) == FILM_BAD_MESH);
-        HOLD(film_record(&curves[HERTZ], &mesh, &s, 1.0, lines, 1, &a, events, 1, &b) == FILM_BAD_MESH);
+        HOLD(film_record(&curves[HERTZ], &mesh, &s, 1.0, lines, 1, &a, events, 1, &b, &summary) == FILM_BAD_MESH);
         HOLD(a == 0 && b == 0);
     }
 }
@@ -230,8 +230,8 @@ static void check_bad_numbers(const film_mesh *mesh) {
     memcpy(&before, &s, sizeof s);
     HOLD(film_step(curve, mesh, &s, -1e-300) == FILM_BAD_NUMBER);
     HOLD(film_step(curve, mesh, &s, NAN) == FILM_BAD_NUMBER);
-    HOLD(film_record(curve, mesh, &s, NAN, lines, LINE_ROOM, &a, events, EVENT_ROOM, &b) == FILM_BAD_NUMBER);
-    HOLD(film_record(curve, mesh, &s, s.time - 0.1, lines, LINE_ROOM, &a, events, EVENT_ROOM, &b) == FILM_BAD_NUMBER);
+    HOLD(film_record(curve, mesh, &s, NAN, lines, LINE_ROOM, &a, events, EVENT_ROOM, &b, &summary) == FILM_BAD_NUMBER);
+    HOLD(film_record(curve, mesh, &s, s.time - 0.1, lines, LINE_ROOM, &a, events, EVENT_ROOM, &b, &summary) == FILM_BAD_NUMBER);
     for (int k = 0; k < 3; k++) {
         HOLD(film_input(&s, not_finite[k], 0.0, 0.0) == FILM_BAD_NUMBER);
         HOLD(film_input(&s, 0.0, not_finite[k], 0.0) == FILM_BAD_NUMBER);

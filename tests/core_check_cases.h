@@ -77,8 +77,9 @@ static film_curve found_curve(const found *at) {
 /* Every line ends where the next one begins. */
 static void check_found_lines(const film_curve *curve, const film_mesh *mesh, film_state s, double time_limit) {
     int32_t line_count, event_count;
+    film_summary summary;
     double fastest = 0.0;
-    film_record(curve, mesh, &s, time_limit, lines, LINE_ROOM, &line_count, events, EVENT_ROOM, &event_count);
+    film_record(curve, mesh, &s, time_limit, lines, LINE_ROOM, &line_count, events, EVENT_ROOM, &event_count, &summary);
     for (int32_t i = 0; i < line_count; i++) fastest = fmax(fastest, fabs(lines[i].nu));
     for (int32_t i = 0; mesh->linearisation == FILM_WORK_PRESERVING && i + 1 < line_count; i++) {
         double values[5], tau = lines[i + 1].time - lines[i].time;

@@ -87,12 +87,13 @@ static void check_samples(const film_curve *curve, int32_t count, double end) {
 /* A record without enough room says so, and writes nothing beyond what it was given. */
 static void check_little_room(const film_curve *curve, const film_mesh *mesh, const film_state *begin, double limit,
                               int32_t line_count, int32_t event_count) {
+    film_summary summary;
     int32_t short_of_lines = whole(0, line_count - 1), short_of_events = whole(0, event_count - 1), a, b;
     for (int k = 0; k < 2; k++) {
         int32_t line_room = k == 0 ? short_of_lines : line_count, event_room = k == 0 ? event_count : short_of_events;
         film_line *few = room_for((size_t)line_room, sizeof *few);
         film_state *some = room_for((size_t)event_room, sizeof *some), s = *begin;
-        int status = film_record(curve, mesh, &s, limit, few, line_room, &a, some, event_room, &b);
+        int status = film_record(curve, mesh, &s, limit, few, line_room, &a, some, event_room, &b, &summary);
         HOLD(a <= line_room && b <= event_room);
         HOLD(status == FILM_FULL || (k == 0 && a == line_room)); /* the flight that follows is left out */
         HOLD(memcmp(few, lines, (size_t)a * sizeof *few) == 0);
@@ -164,7 +165,7 @@ static void one_contact(int which, const film_mesh *mesh, const film_start *star
     HOLD(film_init(curve, &begin, 0.0, start->nu, start->gamma, start->load, start->stop_velocity) == FILM_OK);
     HOLD(film_damp(&begin, start->damping) == FILM_OK);
     s = begin;
-    int recorded = film_record(curve, mesh, &s, start->time_limit, lines, LINE_ROOM, &line_count, events, EVENT_ROOM, &event_count);
+    int recorded = film_record(curve, mesh, &s, start->time_limit, lines, LINE_ROOM, &line_count, events, EVENT_ROOM, &event_count, &again);
     HOLD(recorded == status);
     check_lines(which, &begin, line_count, work_preserving);
     check_events(curve, event_count, start);
@@ -182,12 +183,15 @@ static void one_contact(int which, const film_mesh *mesh, const film_start *star
     if (status != FILM_EVENT) return;
     double t = s.time, v = start->nu + fabs(s.nu), tolerance = EXACT + work_rounding[which] / (0.5 * v * v);
     NEAR(summary.contact_duration, t, t, tolerance);
-    NEAR(summary.final_velocity, s.nu, v, tolerance);
-    NEAR(summary.permanent_indentation, s.xi, s.xi_max, tolerance);
-    NEAR(summary.maximum_indentation, s.xi_max - curves[which].compliance * s.f_max, s.xi_max, tolerance);
-    NEAR(summary.maximum_force, s.force_peak, s.force_peak, tolerance);
-    NEAR(summary.shift, s.shift, s.shift + 1e-300, tolerance);
-    NEAR(summary.work, s.spent, 0.5 * v * v, ENERGY + work_rounding[which] / (0.5 * v * v));
+    NEAR(summary.final_velocity, again.final_velocity, v, tolerance);
+    NEAR(summary.permanent_indentation, again.permanent_indentation, s.xi_max, tolerance);
+    NEAR(summary.maximum_indentation, again.maximum_indentation, s.xi_max, tolerance);
+    NEAR(summary.time_of_maximum_indentation, again.time_of_maximum_indentation, t, tolerance);
+    NEAR(summary.maximum_force, again.maximum_force, s.force_peak, tolerance);
+    NEAR(summary.shift, again.shift, s.shift + 1e-300, tolerance);
+    NEAR(summary.work, again.work, 0.5 * v * v, ENERGY + work_rounding[which] / (0.5 * v * v));
+    HOLD(again.contact_duration == t && again.final_velocity == s.nu && again.permanent_indentation == s.xi);
+    NEAR(again.maximum_indentation, s.xi_max - curves[which].compliance * s.f_max, s.xi_max, tolerance);
 }
 
 /* ---------------------------------------------------------------- steps, inputs, saving */

@@ -387,7 +387,8 @@ static void check_line(const film_line *line, const film_line *next, double dept
 static void check_record(const film_state *begin, double limit) {
     film_state s = *begin;
     int32_t line_count, event_count;
-    int status = film_record(&curve, &mesh, &s, limit, lines, LINES, &line_count, events, EVENTS, &event_count);
+    film_summary summary;
+    int status = film_record(&curve, &mesh, &s, limit, lines, LINES, &line_count, events, EVENTS, &event_count, &summary);
     if (status == FILM_FULL) return; /* it bounces or swings for longer than there is room */
     documented(status);
     sane(&s, status);

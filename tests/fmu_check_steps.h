@@ -95,11 +95,12 @@ static march core_march(unit *u) {
     const model_memory *now = &m->memory;
     march found;
     film_state s;
+    film_summary summary;
     memset(&found, 0, sizeof found);
     HOLD(film_init(&m->data->curve, &s, -now->value[INITIAL_GAP] / now->length, now->value[INITIAL_VELOCITY] / now->velocity,
                    now->state.gamma, now->value[MASS] * now->value[GRAVITY] / now->force, 0.0) == FILM_OK);
     HOLD(film_damp(&s, now->state.damper) == FILM_OK);
-    HOLD(film_record(&m->data->curve, &m->mesh, &s, 1e4, lines, LINE_ROOM, &found.lines, met, EVENT_ROOM, &found.events) ==
+    HOLD(film_record(&m->data->curve, &m->mesh, &s, 1e4, lines, LINE_ROOM, &found.lines, met, EVENT_ROOM, &found.events, &summary) ==
          FILM_EVENT);
     found.touch = met[0].time * now->time_scale;
     found.end = found.touch + 1.3 * (s.time * now->time_scale - found.touch);

@@ -98,7 +98,7 @@ def test_film_marched_equals_the_recorded_march_on_a_half_space(law):
     for nu in np.geomspace(0.3, 60.0, 23).tolist():
         start = native.Start(nu, 0.0, 0.0, 0.0, math.inf)
         status, summary = native.marched(curve, mesh, start)
-        marched, _, states = native.record(curve, mesh, native.initial_state(curve, start), math.inf, 400)
+        marched, _, states, _ = native.record(curve, mesh, native.initial_state(curve, start), math.inf, 400)
         if status == native.BEYOND_LAW:
             assert marched == native.BEYOND_LAW
             continue
@@ -119,7 +119,7 @@ def test_film_marched_equals_the_recorded_march_under_a_load_and_of_laws_that_pu
     for nu in np.geomspace(0.3, 40.0, 23).tolist():
         start = native.Start(nu, 0.0, load, 0.0, 400.0)
         status, summary = native.marched(curve, mesh, start)
-        marched, _, states = native.record(curve, mesh, native.initial_state(curve, start), 400.0, 4000)
+        marched, _, states, _ = native.record(curve, mesh, native.initial_state(curve, start), 400.0, 4000)
         assert status == marched
         ends.add(status)
         if status != native.EVENT:

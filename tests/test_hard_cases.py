@@ -225,7 +225,7 @@ def test_an_endless_oscillation_ends_with_a_status():
     """An undamped ball under a load oscillates for ever: no buffer for segments and events is large enough."""
     curve = problem_for(LAWS["stronge"], MASS, VELOCITY).curve.native
     mesh, start = native.mesh(native.WORK_PRESERVING, 4, 8), native.Start(3.0, 0.0, 20.0, 0.0, math.inf)
-    status, _, events = native.record(curve, mesh, native.initial_state(curve, start), 1e30, 100)
+    status, _, events, _ = native.record(curve, mesh, native.initial_state(curve, start), 1e30, 100)
     assert status == native.TOO_MANY and len(events) == 200_000
     assert native.impact(curve, mesh, start)[0] == native.TOO_MANY
 

@@ -291,11 +291,11 @@ FILM_API int film_input(film_state *state, double load, double nu_change, double
 FILM_API int film_step(const film_curve *curve, const film_mesh *mesh, film_state *state, double dt);
 
 /* From state to the end of the next contact, or until time_limit: every line, and the state at every event; after
- * the end of contact one more line, the flight that follows. FILM_OK at the limit, or at first touch without velocity where the
+ * the end of contact one more line, the flight that follows. lines or events NULL: they are only counted. FILM_OK at the limit, or at first touch without velocity where the
  * load presses it back in, FILM_EVENT at the end of contact, FILM_ENDLESS, or a failure. */
 FILM_API int film_record(const film_curve *curve, const film_mesh *mesh, film_state *state, double time_limit,
                          film_line *lines, int32_t line_room, int32_t *line_count, film_state *events,
-                         int32_t event_room, int32_t *event_count);
+                         int32_t event_room, int32_t *event_count, film_summary *summary);
 
 /* The largest -F of the current branch. */
 static inline double film_pull(const film_curve *curve, const film_state *state) {

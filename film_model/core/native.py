@@ -172,19 +172,23 @@ def set_input(state: State, load: float, nu_change: float, stop_velocity: float)
     return library().film_input(c.byref(state), load, nu_change, stop_velocity)
 
 
-def record(curve: Curve, cut: Mesh, state: State, limit: float, room: int) -> tuple[int, NDArray[Any], NDArray[Any]]:
-    """Status, lines and event states from `state`, which is moved on, to the end of the next contact or to `limit`."""
+def record(
+    curve: Curve, cut: Mesh, state: State, limit: float, room: int
+) -> tuple[int, NDArray[Any], NDArray[Any], Summary]:
+    """Status, lines, states at events and summary, from `state`, which is moved on, to the end of the next contact or
+    to `limit`."""
     most, count, events_count, begun = min(room, _MOST_EVENTS), c.c_int32(), c.c_int32(), bytes(state)
+    summary = Summary()
     lines, events = (np.empty(n * t.itemsize, np.uint8) for n, t in ((room, LINE_DTYPE), (most, STATE_DTYPE)))
     status = library().film_record(
         *(c.byref(curve), c.byref(cut), c.byref(state), limit),
-        *(at(lines), room, c.byref(count), at(events), most, c.byref(events_count)),
+        *(at(lines), room, c.byref(count), at(events), most, c.byref(events_count), c.byref(summary)),
     )
     if status == FULL and room <= _MOST_ROOM and events_count.value < _MOST_EVENTS:
         c.memmove(c.byref(state), begun, len(begun))
         return record(curve, cut, state, limit, 4 * room)
     tables = _rows(lines, count.value, LINE_DTYPE), _rows(events, events_count.value, STATE_DTYPE)
-    return TOO_MANY if status == FULL else status, *tables
+    return TOO_MANY if status == FULL else status, *tables, summary
 
 
 def _rows(memory: NDArray[np.uint8], count: int, dtype: np.dtype[Any]) -> NDArray[Any]:

@@ -85,7 +85,7 @@ def recorded(curve: native.Curve, cut: native.Mesh, start: NDArray[Any]) -> Iter
 
 def _alone(curve: native.Curve, cut: native.Mesh, begin: native.Start) -> NDArray[Any]:
     """The lines of one contact that may have more than `LINES`."""
-    status, lines, _ = native.record(curve, cut, native.initial_state(curve, begin), begin.time_limit, 4 * LINES)
+    status, lines, _, _ = native.record(curve, cut, native.initial_state(curve, begin), begin.time_limit, 4 * LINES)
     return lines if status >= 0 else lines[:0]
 
 

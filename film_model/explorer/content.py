@@ -41,7 +41,7 @@ from film_model.problem.summary import COMPARED, SUMMARY
 from film_model.scene import DEFAULT_ACCURACY, DEFAULT_TOLERANCE, Scene, Sphere
 from film_model.solve.accuracy import FIRST_SEGMENTS
 from film_model.solve.history import MOTION
-from film_model.solve.simulate import DEEPER, simulate_chosen
+from film_model.solve.simulate import simulate_chosen
 from film_model.studies.regimes import limits, regimes
 from film_model.targets import HalfSpace, Plate
 from film_model.targets.supports import SUPPORTS
@@ -298,7 +298,7 @@ def _constants() -> dict[str, Any]:
     return {
         "first_segments": FIRST_SEGMENTS,
         "trial_segments": 4 * TRIAL_SEGMENTS,  # the page marches lines only; the trial in Python takes shorter ways
-        **{"deeper": DEEPER, "sure": SURE, "settled": SETTLED, "most_rounds": MOST_ROUNDS},
+        **{"sure": SURE, "settled": SETTLED, "most_rounds": MOST_ROUNDS},
         **{"yields": YIELDS, "agreement": AGREEMENT, "accuracy": DEFAULT_ACCURACY, "tolerance": DEFAULT_TOLERANCE},
         **{"elastic": ELASTIC, "yielding": YIELDING, "damped": DAMPED, "least_restitution": LEAST_RESTITUTION},
         **{"most_weight": MOST_WEIGHT, "not_modelled": NOT_MODELLED, "compared": COMPARED},

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import warnings as python_warnings
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
@@ -23,9 +22,6 @@ from film_model.solve.history import MOTION, Accuracy, Event, History, Samples, 
 
 if TYPE_CHECKING:
     from film_model.solve.vibration import Moment, Vibration
-
-DEEPER = 1.0 + 1e-10
-"""A turn is deeper than those before by this factor, as in film_marched.c: contacts that swing turn at one depth."""
 
 
 def simulate(
@@ -140,10 +136,9 @@ def _on_lines(scene: Scene, choice: Choice, warnings: list[str]) -> History:
     else:
         counts, estimated = refine(problem, solver, warnings)
     estimated += problem.curve.fit_error
-    status, lines, states, peak = _record(problem, solver, counts)
-    found = _at_events(problem, states)
-    events = _events(problem, found)
-    values = summary_of(problem, status, _Recorded.of(found, native.State.from_buffer_copy(states[-1]), peak))
+    status, lines, states, summary = _record(problem, solver, counts)
+    events = _events(problem, _at_events(problem, states))
+    values = summary_of(problem, status, summary)
     target, outcome = scene.target, _outcome(status)
     if outcome is Outcome.TIME_LIMIT and target.structural and not target.finite:
         warnings.append(
@@ -167,45 +162,18 @@ def _known(values: dict[str, Any]) -> dict[str, float | None]:
     return {name: value if value == value else None for name, value in values.items()}
 
 
-def _record(problem: Problem, solver: Solver, counts: tuple[int, int]) -> tuple[int, Any, Any, float]:
-    """Status, segments, states at events, and the largest force."""
+def _record(problem: Problem, solver: Solver, counts: tuple[int, int]) -> tuple[int, Any, Any, native.Summary]:
+    """Status, segments, states at events, and the core's summary."""
     state = native.initial_state(problem.curve.native, problem.start)
     room = (counts[0] + 2) * (problem.curve.native.stages + 1) + 4 * counts[1] + 64
-    status, lines, states = native.record(problem.curve.native, mesh_of(solver, counts), state, problem.limit, room)
+    cut = mesh_of(solver, counts)
+    status, lines, states, summary = native.record(problem.curve.native, cut, state, problem.limit, room)
     raise_failure(status, problem)
-    peak = max(state.force_peak, state.force)
     if status == native.OK and problem.approach == 0.0:
         returns = np.flatnonzero(states["event"] == native.EVENTS.index("reloading_begins"))
         if returns.size:
             status, states = native.ENDLESS, states[: returns[0] + 1]  # what follows repeats this swing, or fades
-    return status, lines, states, peak
-
-
-class _Recorded(NamedTuple):
-    """The fields of the core's summary, from a recorded impact."""
-
-    maximum_force: float
-    maximum_indentation: float
-    time_of_maximum_indentation: float
-    time_impactor_stops: float
-    contact_duration: float
-    permanent_indentation: float
-    final_velocity: float
-    shift: float
-    work: float
-
-    @classmethod
-    def of(cls, events: Iterable[_AtEvent], last: native.State, peak: float) -> _Recorded:
-        """From the motion at the events, the core's state at the last one, and the largest force."""
-        deepest, turned, stops, ends = 0.0, math.nan, math.nan, math.nan
-        for event in events:
-            if event.name == "maximum_indentation" and event.values[0] > deepest * DEEPER:
-                deepest, turned = event.values[0], event.time
-            elif event.name == "impactor_stops" and stops != stops:
-                stops = event.time
-            elif event.name == "contact_ends":
-                ends = event.time
-        return cls(peak, deepest, turned, stops, ends, last.xi, last.nu, last.shift, last.spent)
+    return status, lines, states, summary
 
 
 class _AtEvent(NamedTuple):

@@ -319,7 +319,7 @@ static void damped_contact_lanes(batch_job *j, const int64_t *index, int count) 
         const film_start *start = &j->start[index[l]];
         double passed = s.passed[AT_TURN][l] * s.passed[AT_RELEASE][l], lost = start->nu - s.nu[l];
         if (s.bad[l] > 0.0 || !(passed > 0.0) || !(s.time[l] <= start->time_limit) ||
-            film_grazes(start->load, depth[l], start->nu, s.nu[l])) {
+            film_grazes(start->load, depth[l], start->nu)) {
             leave_alone(j, index[l]);
             continue;
         }

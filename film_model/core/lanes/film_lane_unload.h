@@ -158,7 +158,7 @@ static void report_lane(batch_job *j, const lanes *s, double stopped, int l, int
     out->shift = s->gamma[l] * (start->nu - s->w[l] + start->load * s->time[l]);
     out->work = stored - given;
     int whole = s->bad[l] == 0.0 && s->time[l] < INFINITY && s->time[l] <= start->time_limit && fabs(s->w[l]) < INFINITY;
-    whole = whole && !film_grazes(start->load, out->maximum_indentation, start->nu, s->w[l]);
+    whole = whole && !film_grazes(start->load, out->maximum_indentation, start->nu);
     if (whole) j->status[index] = FILM_EVENT;
     else leave_alone(j, index);
 }

@@ -1,6 +1,8 @@
 /* The march: plans legs, follows their lines, and decides what comes after each. docs/method.md, sections 1, 6 and 9. */
 #include "march/film_march.h"
 
+#include <string.h>
+
 /* The length of the last line before a turn is sought to this fraction of itself, so that energy is kept to rounding.
  * core_check.c, check_found: "out of hardly more than a spring, on a soft target". */
 static const double TURN_TOLERANCE = 1e-12;
@@ -254,36 +256,76 @@ int film_step(const film_curve *curve, const film_mesh *mesh, film_state *s, dou
     return status;
 }
 
+/* A turn counts as deeper than those before only beyond this factor: a contact that swings on its weight turns at the same
+ * depth again and again, to rounding. Needed by tests/test_one_and_many.py. */
+static const double DEEPER = 1.0 + 1e-10;
+
+void film_clear_summary(film_summary *summary) {
+    memset(summary, 0, sizeof *summary);
+    summary->time_impactor_stops = summary->contact_duration = summary->permanent_indentation = NAN;
+    summary->final_velocity = NAN;
+}
+
+/* What an event adds to the summary. */
+static void summarise(const film_curve *curve, const film_state *s, film_summary *summary) {
+    double indentation = s->xi - curve->compliance * s->force;
+    if (s->event == FILM_MAXIMUM_INDENTATION && indentation > DEEPER * summary->maximum_indentation) {
+        summary->maximum_indentation = indentation;
+        summary->time_of_maximum_indentation = s->time;
+        summary->stage = s->stage_max;
+    } else if (s->event == FILM_IMPACTOR_STOPS && isnan(summary->time_impactor_stops)) {
+        summary->time_impactor_stops = s->time;
+    } else if (s->event == FILM_CONTACT_ENDS) {
+        summary->contact_duration = s->time;
+        summary->permanent_indentation = s->xi;
+        summary->final_velocity = s->nu;
+    }
+}
+
+/* The next line, added to an array unless that is NULL. */
+static int next_recorded(const film_curve *curve, const film_mesh *mesh, film_state *s, film_line *lines, int32_t room, int32_t *count) {
+    int status = prepare_line(curve, mesh, s);
+    if (status != FILM_OK) return status;
+    if (*count >= room) return FILM_FULL;
+    if (lines != NULL) lines[*count] = s->line;
+    ++*count;
+    return FILM_OK;
+}
+
 int film_record(const film_curve *curve, const film_mesh *mesh, film_state *s, double time_limit, film_line *lines,
-                int32_t line_room, int32_t *line_count, film_state *events, int32_t event_room, int32_t *event_count) {
+                int32_t line_room, int32_t *line_count, film_state *events, int32_t event_room, int32_t *event_count,
+                film_summary *summary) {
     double dt = time_limit - s->time, approach = s->nu;
-    int status = check_step(mesh, s, dt);
+    int status = check_step(mesh, s, dt), over = 0;
+    film_clear_summary(summary);
     *line_count = *event_count = 0;
-    while (status >= 0) {
-        if (!s->has_line) {
-            status = prepare_line(curve, mesh, s);
-            if (status == FILM_OK) {
-                if (*line_count >= line_room) return FILM_FULL;
-                lines[(*line_count)++] = s->line;
-            }
-        }
+    while (status >= 0 && !over) {
+        status = s->has_line ? FILM_OK : next_recorded(curve, mesh, s, lines, line_room, line_count);
         if (status == FILM_OK) {
             status = advance(curve, mesh, s, &dt);
-            if (status == FILM_ENDLESS || (status == FILM_OK && dt == 0.0)) return status;
+            over = status == FILM_ENDLESS || (status == FILM_OK && dt == 0.0);
         }
-        if (status == FILM_EVENT) {
-            if (s->event == FILM_CONTACT_ENDS && film_grazes(s->load, s->xi_max, approach, s->nu)) return FILM_OK;
-            if (*event_count >= event_room) return FILM_FULL;
-            events[(*event_count)++] = *s;
-            if (s->event == FILM_CONTACT_ENDS) { /* add the flight that follows, for samples after the end */
-                s->line.time = s->time;
-                if (prepare_line(curve, mesh, s) != FILM_OK) return FILM_EVENT;
-                if (*line_count >= line_room) return FILM_FULL;
-                lines[(*line_count)++] = s->line;
-                return FILM_EVENT;
-            }
+        if (status != FILM_EVENT) continue;
+        if (s->event == FILM_CONTACT_BEGINS) approach = s->nu;
+        over = s->event == FILM_CONTACT_ENDS;
+        if (over && film_grazes(s->load, summary->maximum_indentation, approach)) {
             status = FILM_OK;
+            break;
         }
+        if (*event_count >= event_room) return FILM_FULL;
+        if (events != NULL) events[*event_count] = *s;
+        ++*event_count;
+        summarise(curve, s, summary);
+        if (!over) status = FILM_OK;
+    }
+    if (status < 0) return status;
+    summary->maximum_force = fmax(s->force_peak, s->force); /* s->force where the time limit comes on the way in */
+    summary->shift = s->shift;
+    summary->work = s->spent;
+    summary->lines = s->lines;
+    if (status == FILM_EVENT && lines != NULL) { /* the flight that follows, for samples after the end */
+        s->line.time = s->time;
+        if (next_recorded(curve, mesh, s, lines, line_room, line_count) == FILM_FULL) return FILM_FULL;
     }
     return status;
 }

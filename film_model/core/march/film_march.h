@@ -92,10 +92,10 @@ static inline double speed_after(double v, double work) {
     return square > 0.0 ? sqrt(square) : 0.0;
 }
 
-/* Whether a contact that ends with velocity nu stays closed: the kinetic energies there and at first touch are rounding of the
- * work of the load, which presses the impactor back in. */
-static inline int film_grazes(double load, double depth, double approach, double nu) {
-    return load > 0.0 && fmax(approach * approach, nu * nu) <= 1e-12 * load * depth;
+/* Whether a contact that ends stays closed: the kinetic energy at first touch is rounding of the work of the load, which presses
+ * the impactor back in. */
+static inline int film_grazes(double load, double depth, double approach) {
+    return load > 0.0 && approach * approach <= 1e-12 * load * depth;
 }
 
 /* The end of the current stage or branch, inwards (direction 1) or outwards (-1). */
@@ -186,6 +186,7 @@ void film_end_at_dip(const film_curve *curve, const film_mesh *mesh, film_state 
 /* film_march.c */
 int film_stop(film_state *s);
 int film_finish(const film_curve *curve, const film_mesh *mesh, film_state *s);
+void film_clear_summary(film_summary *summary);
 
 /* film_integrator.c */
 int film_end_run(const film_curve *curve, film_state *s, int ends);

@@ -167,16 +167,6 @@ static int impact_by_energy(const film_curve *curve, const film_mesh *mesh, cons
     return FILM_EVENT;
 }
 
-/* A turn counts as deeper than those before only beyond this factor: a contact that swings on its weight turns at the same
- * depth again and again, to rounding. Needed by tests/test_one_and_many.py. */
-static const double DEEPER = 1.0 + 1e-10;
-
-static void clear_summary(film_summary *summary) {
-    memset(summary, 0, sizeof *summary);
-    summary->time_impactor_stops = summary->contact_duration = summary->permanent_indentation = NAN;
-    summary->final_velocity = NAN;
-}
-
 /* Whether energy gives the velocity at every node. */
 static int by_energy(const film_mesh *mesh, const film_start *s) {
     return s->gamma == 0.0 && s->nu > 0.0 && s->load >= 0.0 && isfinite(s->stop_velocity) && s->damping == 0.0 && mesh->linearisation == FILM_WORK_PRESERVING;
@@ -184,40 +174,18 @@ static int by_energy(const film_mesh *mesh, const film_start *s) {
 
 int film_marched(const film_curve *curve, const film_mesh *mesh, const film_start *start, film_summary *summary) {
     film_state s;
-    clear_summary(summary);
+    int32_t lines, events;
+    film_clear_summary(summary);
     if (!(start->nu > 0.0 || (start->nu == 0.0 && start->load > 0.0)) || start->nu == INFINITY) return FILM_BAD_NUMBER;
     if (by_energy(mesh, start)) {
         int status = impact_by_energy(curve, mesh, start, summary);
         int ended = summary->contact_duration < INFINITY && summary->contact_duration <= start->time_limit;
         ended = ended && start->load * summary->maximum_indentation <= 0.5 * start->nu * start->nu;
         if (status < 0 || ended) return status;
-        clear_summary(summary); /* it turns again, or rounding matters: that of the recorded march, then */
-    }
+    } /* it turns again, or rounding matters: that of the recorded march, then */
     int status = film_init(curve, &s, 0.0, start->nu, start->gamma, start->load, start->stop_velocity);
     if (status >= 0) status = film_damp(&s, start->damping);
-    for (int32_t events = 0; status >= 0; events++) {
-        status = film_step(curve, mesh, &s, start->time_limit - s.time);
-        if (status != FILM_EVENT || s.event == FILM_CONTACT_ENDS) break;
-        if (events >= FILM_MAX_EVENTS || s.lines > FILM_MAX_STEP_LINES) return FILM_TOO_MANY;
-        double indentation = s.xi - curve->compliance * s.force;
-        if (s.event == FILM_MAXIMUM_INDENTATION && indentation > DEEPER * summary->maximum_indentation) {
-            summary->maximum_indentation = indentation;
-            summary->time_of_maximum_indentation = s.time;
-            summary->stage = s.stage_max;
-        } else if (s.event == FILM_IMPACTOR_STOPS && isnan(summary->time_impactor_stops)) {
-            summary->time_impactor_stops = s.time;
-        }
-    }
-    if (status < 0) return status;
-    if (status == FILM_EVENT && film_grazes(start->load, s.xi_max, start->nu, s.nu)) status = FILM_OK;
-    summary->maximum_force = fmax(s.force_peak, s.force); /* s.force where the time limit comes on the way in */
-    summary->shift = s.shift;
-    summary->work = s.spent;
-    summary->lines = s.lines;
-    if (status == FILM_EVENT) {
-        summary->contact_duration = s.time;
-        summary->permanent_indentation = s.xi;
-        summary->final_velocity = s.nu;
-    }
-    return status;
+    if (status >= 0)
+        status = film_record(curve, mesh, &s, start->time_limit, NULL, FILM_MAX_STEP_LINES, &lines, NULL, FILM_MAX_EVENTS, &events, summary);
+    return status == FILM_FULL ? FILM_TOO_MANY : status;
 }

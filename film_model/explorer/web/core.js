@@ -259,50 +259,26 @@ class Core {
   }
 
   /**
-   * Every segment of a contact, and the motion at its events.
+   * Every segment of a contact, the times of its events and of its end, and the core's summary.
    * @param {any} p @param {number} curve @param {number} mesh @param {number} room segments that there may be
    * @returns {any}
    */
   record(p, curve, mesh, room) {
-    const { line, state } = this.layout;
+    const { line, state, summary } = this.layout;
     const top = this.top;
     this.begin(p, curve);
-    const lines = this.allocate(room * line.size);
-    const events = this.allocate(4096 * state.size);
+    const [lines, events, found] = [room * line.size, 4096 * state.size, summary.size].map((size) => this.allocate(size));
     const [count, met] = [this.counts, this.counts + 4];
-    const status = this.c.film_record(curve, mesh, this.state, p.limit, lines, room, count, events, 4096, met);
+    const status = this.c.film_record(curve, mesh, this.state, p.limit, lines, room, count, events, 4096, met, found);
     const view = this.view();
-    const found = { status, lines, count: view.getInt32(count, true), top, end: this.motionAt(this.state) };
-    const names = Array.from({ length: view.getInt32(met, true) }, (_, k) => this.motionAt(events + k * state.size));
-    if (status !== FULL || room > 4e6 || names.length >= 4096) return { ...found, events: names };
-    this.top = top;
-    return this.record(p, curve, mesh, 4 * room);
-  }
-
-  /** @param {number} place of a state */
-  motionAt(place) {
-    const view = this.view();
-    const { state, events } = this.layout;
-    /** @param {string} name */
-    const number = (name) => view.getFloat64(place + state[name], true);
-    return {
-      name: events[view.getInt32(place + state.event, true)],
-      branch: view.getInt32(place + state.branch, true),
-      place,
-      time: number("time"),
-      xi: number("xi"),
-      nu: number("nu"),
-      force: number("force"),
-      shift: number("shift"),
-      spent: number("spent"),
-      peak: Math.max(number("force_peak"), number("force")),
-    };
-  }
-
-  /** The indentation in a state; `xi` contains that of a spring too. @param {number} curve @param {number} state */
-  indentation(curve, state) {
-    this.c.film_motion(curve, state, this.numbers);
-    return this.view().getFloat64(this.numbers, true);
+    const timeOf = (/** @type {number} */ place) => view.getFloat64(place + state.time, true);
+    const times = Array.from({ length: view.getInt32(met, true) }, (_, k) => timeOf(events + k * state.size));
+    if (status === FULL && room <= 4e6 && times.length < 4096) {
+      this.top = top;
+      return this.record(p, curve, mesh, 4 * room);
+    }
+    const core = { status, ...this.read("summary", found, ["stage", "lines"]) };
+    return { status, lines, count: view.getInt32(count, true), top, end: timeOf(this.state), times, core };
   }
 
   /**

@@ -264,24 +264,7 @@ function recorded(problem, line, counts) {
     CORE.top = record.top;
     throw new Failure(record.status);
   }
-  const { deeper } = DATA.constants;
-  const { status, events, end } = record;
-  const last = events.at(-1);
-  const core = { status, maximum_force: end.peak, maximum_indentation: 0, time_of_maximum_indentation: NaN };
-  const times = { time_impactor_stops: NaN, contact_duration: NaN };
-  for (const event of events) {
-    const depth = problem.compliance > 0 ? CORE.indentation(problem.curve, event.place) : event.xi;
-    if (event.name === "maximum_indentation" && depth > core.maximum_indentation * deeper) {
-      core.maximum_indentation = depth;
-      core.time_of_maximum_indentation = event.time;
-    } else if (event.name === "impactor_stops" && Number.isNaN(times.time_impactor_stops)) {
-      times.time_impactor_stops = event.time;
-    } else if (event.name === "contact_ends") {
-      times.contact_duration = event.time;
-    }
-  }
-  const at = { permanent_indentation: last.xi, final_velocity: last.nu, shift: last.shift, work: last.spent };
-  return { ...record, core: { ...core, ...times, ...at } };
+  return record;
 }
 
 /**
@@ -353,7 +336,7 @@ function run(scene, n, problem, samples, slides = false) {
     const share = ((-100 * summary.energy_absorbed) / impact).toPrecision(3);
     warnings.push(`law ${law.name}: its unloading returns more energy than its loading stored (${share} % of the impact energy)`);
   }
-  const ends = [record.events.at(-1).time || record.end.time, ...record.events.map((/** @type {any} */ e) => e.time)];
+  const ends = [record.times.at(-1) || record.end, ...record.times];
   const sample = (/** @type {Float64Array} */ times) => CORE.sample(problem.curve, record, times);
   const motion = sampledAt(scene, problem, ends, samples, sample);
   const error = mesh.estimated + law.fit_error;

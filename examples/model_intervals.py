@@ -125,7 +125,7 @@ def coverage_from_others(judged: Iterable[Prediction], found: Sequence[Predictio
 def _covered(found: Iterable[Prediction], table: Table | None) -> Coverage:
     inside = rows = 0
     for one in found:
-        own = residuals_of(one.family or "", one.row.quantity, table) if one.value > 0.0 else None
+        own = residuals_of(one.family, one.row.quantity, table) if one.value > 0.0 else None
         if own is not None:
             rows += 1
             inside += own.low <= math.log(one.row.value / one.value) <= own.high

@@ -16,6 +16,7 @@ from film_model.problem.model_intervals import (
     ABOVE,
     BELOW,
     FEWEST,
+    POLYMER,
     SLOW,
     YIELDING,
     by_family,
@@ -78,7 +79,7 @@ def test_a_family_with_too_few_rows_takes_the_wider_one():
         assert evidence(family, wide[pooled]).endswith(FEW)
     enough = by_family([few[BELOW]._replace(rows=FEWEST), wide[YIELDING]])
     assert residuals_of(BELOW, E, enough) == enough[BELOW, E] != residuals_of(ABOVE, E, enough)
-    assert residuals_of("elastic", E) is None and residuals_of(ABOVE, "maximum_force") is None
+    assert residuals_of(POLYMER, E) is None and residuals_of(ABOVE, "maximum_force") is None
     for velocity, family in (("0.5 m/s", BELOW), ("2 m/s", ABOVE)):
         history = fm.simulate(scene(velocity))
         assert family_of(history.scene) == family and stored()[family, E].rows >= FEWEST
@@ -97,7 +98,7 @@ def test_without_a_rate_law_the_interval_holds_rows_with_and_without_it(rows):
     assert low.magnitude < least.magnitude, "it is the wider one"
     off = slow.replace({"effects.rate_hardening": False})
     assert fm.simulate(off).intervals == {}
-    assert not [row for row in slow_predictions(rows) if not (row.family or "").endswith("_slow")]
+    assert not [row for row in slow_predictions(rows) if not row.family.endswith("_slow")]
 
 
 def test_families_of_many_impacts_are_those_of_each():
@@ -125,12 +126,31 @@ def test_an_interval_is_the_value_times_the_residuals():
         history.interval("restitution")
 
 
+def test_elastic_contacts_have_the_interval_of_glass_and_alumina(found):
+    own = residuals_of("elastic", E)
+    held = [one for one in found if one.family == "elastic" and one.row.held_out]
+    assert own.rows >= 17 and len(held) >= 8 and coverage(held).inside >= 7
+    for one in (scene("1 mm/s"), scene_of("auto", held[0].row)):
+        low, high, said = fm.simulate(one).interval(E)
+        assert low.magnitude == pytest.approx(math.exp(own.low), rel=2e-3) and high.magnitude == 1.0
+        assert said.startswith(f"{own.rows} measurements of elastic contacts, of glass and alumina that did not crack")
+
+
 @pytest.mark.filterwarnings("ignore::film_model.ImpactWarning")
 def test_without_evidence_there_is_no_interval():
-    soft = {"youngs_modulus": "3 GPa", "yield_strength": "60 MPa"}
-    for other in (scene("1 mm/s"), scene(**soft), scene(law="hertz")):
+    chosen = fm.simulate(scene(law="hertz"))
+    assert chosen.intervals == chosen.evidence == {}
+    soft = scene(youngs_modulus="3 GPa", yield_strength="60 MPa")
+    sticky = scene("0.1 m/s").replace({"contact.law": "jkr", "contact.work_of_adhesion": "0.1 J/m^2"})
+    lossy = fm.Scene(fm.Sphere("5 mm", velocity="1 m/s", material="polyoxymethylene"), fm.HalfSpace("mild steel"))
+    for other, words in ((soft, "polymers"), (lossy, "polymers"), (sticky, "contacts that adhere")):
         history = fm.simulate(other)
-        assert history.intervals == {} and history.interval(E) is None
+        said = f"no interval: 0 measurements of {words} with complete conditions, 9 are needed"
+        assert history.intervals == {} and history.interval(E) is None and history.evidence == {E: said}
+        assert history.interval_text(E) == f", {said}" and said in history._repr_html_()
+        assert history.to_dict()["summary"][E]["evidence"] == said and "interval" not in history.to_dict()["summary"][E]
+        ds = history.to_dataset()
+        assert fd.validate(ds) == [] and ds[E].attrs["evidence"] == said and "model_interval" not in ds[E].attrs
     bodies = fm.Scene(
         fm.Sphere("5 mm", velocity="2 m/s", material="mild steel"), fm.Plate("mild steel", thickness="5 mm")
     )

@@ -98,9 +98,10 @@ def history_contents(history: History, samples: int, command: str) -> Contents:
         )
         if v.name in columns
     }
+    for name, said in history.evidence.items():
+        data[name].attrs["evidence"] = said
     for name, interval in history.intervals.items():
-        ends = np.array([interval.low, interval.high])
-        data[name].attrs.update(model_interval=ends, evidence=interval.evidence)
+        data[name].attrs["model_interval"] = np.array([interval.low, interval.high])
     found = Contents(data, _attributes(history, command))
     found.attrs["content_sha256"] = content_sha256(cast("Any", found))
     return found

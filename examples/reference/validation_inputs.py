@@ -60,12 +60,12 @@ def own_numbers(rows: Sequence[Row]) -> list[Prediction]:
 
 
 def inputs_of(rows: Iterable[Row]) -> dict[str, list[Prediction]]:
-    """What law "auto" gives for measured rows with complete conditions, with other inputs, and for those of which the
+    """What law "auto" gives for steels with complete conditions, with other inputs, and for those of which the
     hardness is not known well: by input, in words. Fast rebounds with waves and hardening, too."""
     own = list(rows)
-    hard = [row for row in own if row.usable and row.hardness is not None]
+    hard = [row for row in own if row.of_steel]
     groups = {
-        COMPLETE: [row for row in own if row.usable],
+        COMPLETE: hard,
         **{f"every steel with C = {c}": [row.with_rate(c) for row in hard] for *_, c in JOHNSON_COOK.values()},
         "hardness without rate": [row.with_rate(None) for row in hard],
         BY_NAME: [row.by_name for row in hard],

@@ -35,7 +35,7 @@ from film_model.plot import strobe
 from film_model.plot.style import COLOURS
 from film_model.problem.families import TERMS, mean_matrix, series_matrix
 from film_model.problem.law_of_scene import DAMPED, ELASTIC, YIELDING
-from film_model.problem.model_intervals import COVERED, KINDS, LARGEST, evidence, residuals_of
+from film_model.problem.model_intervals import COVERED, KINDS, LARGEST, POLYMER, evidence, missing, residuals_of
 from film_model.problem.problem import TRIAL_SEGMENTS
 from film_model.problem.summary import COMPARED, SUMMARY
 from film_model.scene import DEFAULT_ACCURACY, DEFAULT_TOLERANCE, Scene, Sphere
@@ -256,7 +256,7 @@ def regime_map() -> list[dict[str, Any]]:
 
 
 def _intervals() -> list[list[dict[str, Any]]]:
-    """The residuals of measured values from law "auto", by the number of the family of the impact."""
+    """The residuals of measured values from law "auto", or why there are none, by the number of the impact's family."""
     found: list[list[dict[str, Any]]] = []
     for family in KINDS:
         known = {name: residuals_of(family, name) for name in SUMMARY}
@@ -269,6 +269,7 @@ def _intervals() -> list[list[dict[str, Any]]]:
                 for name, one in known.items()
                 if one is not None
             ]
+            + [{"name": name, "missing": said} for name in SUMMARY if (said := missing(family, name))]
         )
     return found
 
@@ -300,7 +301,13 @@ def _constants() -> dict[str, Any]:
         "trial_segments": 4 * TRIAL_SEGMENTS,  # the page marches lines only; the trial in Python takes shorter ways
         **{"sure": SURE, "settled": SETTLED, "most_rounds": MOST_ROUNDS},
         **{"yields": YIELDS, "agreement": AGREEMENT, "accuracy": DEFAULT_ACCURACY, "tolerance": DEFAULT_TOLERANCE},
-        **{"elastic": ELASTIC, "yielding": YIELDING, "damped": DAMPED, "least_restitution": LEAST_RESTITUTION},
+        **{
+            "elastic": ELASTIC,
+            "yielding": YIELDING,
+            "damped": DAMPED,
+            "polymer": KINDS.index(POLYMER),
+            "least_restitution": LEAST_RESTITUTION,
+        },
         **{"most_weight": MOST_WEIGHT, "not_modelled": NOT_MODELLED, "compared": COMPARED},
         "vibration": support.constants(),
         "ritz": support.ritz_constants(),

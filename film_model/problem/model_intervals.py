@@ -37,7 +37,7 @@ MANY_YIELD_VELOCITIES = 50.0
 """Approach velocity over yield velocity that parts the two families of impacts that yield."""
 
 STIFFEST_POLYMER = 6e9
-"""Effective modulus, Pa, below which one of the bodies is a polymer: no measurement is known with whole conditions."""
+"""Effective modulus, Pa, below which one of the bodies is a polymer."""
 
 BELOW, ABOVE, YIELDING = "yielding_below_50", "yielding_above_50", "yielding"
 _KNOWN = {
@@ -50,15 +50,22 @@ SLOW = {name: f"{name}{_SLOW}" for name in _KNOWN}
 """Families → those of the same impacts without a rate law of the material that yields: rates raise the strength of
 steel, and of some metals hardly, so that intervals of these hold what is computed with a rate law, too."""
 
+POLYMER, ADHESIVE = "polymer", "adhesive"
+_COMPLETE = "with complete conditions"
+
 FAMILIES = (
-    {"elastic": "elastic contacts"}
+    {
+        "elastic": "elastic contacts, of glass and alumina that did not crack",
+        POLYMER: f"polymers {_COMPLETE}",
+        ADHESIVE: f"contacts that adhere {_COMPLETE}",
+    }
     | _KNOWN
     | {SLOW[name]: f"{words}, computed with and without rate hardening" for name, words in _KNOWN.items()}
 )
 """Families of impacts → in words; "yielding" pools the two before it."""
 
-KINDS = ("elastic", BELOW, ABOVE, SLOW[BELOW], SLOW[ABOVE])
-"""Families that an impact belongs to, by its approach velocity over the yield velocity and by its rate law."""
+KINDS = ("elastic", BELOW, ABOVE, SLOW[BELOW], SLOW[ABOVE], POLYMER)
+"""Families under law "auto", by the approach velocity over the yield velocity, the rate law and the stiffness."""
 
 POOLED = {
     YIELDING: (BELOW, ABOVE),
@@ -103,36 +110,59 @@ def yield_velocities(scene: Scene) -> Any:
 
 
 def family_number(scene: Scene) -> Any:
-    """The place in `KINDS` of each impact of a scene; -1 for a polymer, of which there is no evidence."""
+    """The place in `KINDS` of each impact of a scene."""
     modulus, ratio, slow = scene.effective_modulus, yield_velocities(scene), 2
     if scene.rate_hardening is not None:  # where it is unknown, C is nan, on the page infinite
         coefficient, slowness, _ = scene.rate_hardening
         slow = either(((coefficient > 0.0) & (coefficient < math.inf)) | (slowness > 0.0), 0, 2)
     yielding = 0 if ratio is None else either(ratio > 1.0, either(ratio > MANY_YIELD_VELOCITIES, 2, 1) + slow, 0)
-    return yielding if modulus is None else either(modulus < STIFFEST_POLYMER, -1, yielding)
+    return yielding if modulus is None else either(modulus < STIFFEST_POLYMER, KINDS.index(POLYMER), yielding)
 
 
-def family_of(scene: Scene) -> str | None:
-    """The family of a scene's impact; None for a polymer."""
-    number = family_number(scene)
-    return None if number < 0 else KINDS[number]
+def family_of(scene: Scene) -> str:
+    """The family of a scene's impact."""
+    return KINDS[family_number(scene)]
+
+
+def _family(problem: Problem) -> str | None:
+    """The family of an impact; None where measurements are not asked for.
+
+    They are of what law "auto" takes for impacts of this kind, on bodies that do not move but by waves in a half-space,
+    vibrate or creep, with rate hardening if its law is known; and of laws that pull.
+    """
+    scene = problem.scene
+    if problem.free or (problem.gamma > 0.0 and scene.target.gives_way) or problem.vibrates or not scene.is_round:
+        return None
+    if problem.curve.pulls:
+        return ADHESIVE
+    if scene.contact.law != "auto" or scene.effects.rate_hardening is False:
+        return None
+    family = family_of(scene)
+    if family == POLYMER:
+        return family
+    took = problem.relaxation is None and problem.law.name == (ELASTIC if family == "elastic" else YIELDS)
+    return family if took else None
+
+
+def no_interval(problem: Problem, name: str) -> str:
+    """Why a summary value of one impact has no interval, by `missing`; empty if it has one, or none is asked for."""
+    family = _family(problem)
+    return "" if family is None else missing(family, name)
+
+
+def missing(family: str, name: str) -> str:
+    """Why a value of a family has no interval, in words; empty if it has one, or no family has."""
+    if residuals_of(family, name) is not None or not any(residuals_of(one, name) for one in KINDS):
+        return ""
+    known = stored().get((family, name))
+    rows = 0 if known is None else known.rows
+    return f"no interval: {rows} measurements of {FAMILIES[family]}, {FEWEST} are needed"
 
 
 def model_interval(problem: Problem, name: str, value: float | None) -> ModelInterval | None:
-    """The interval of a summary value of one impact; None if no measurements of this kind are known.
-
-    They are of what law "auto" takes for impacts of this kind, on bodies that do not move but by waves in a half-space,
-    vibrate, stick or creep, with rate hardening if its law is known.
-    """
-    moves = problem.free or (problem.gamma > 0.0 and problem.scene.target.gives_way) or problem.vibrates
-    chosen = problem.scene.contact.law != "auto" or problem.scene.effects.rate_hardening is False
-    chosen = chosen or not problem.scene.is_round
-    if value is None or not value > 0.0 or chosen or moves:
-        return None
-    if problem.relaxation is not None or problem.curve.pulls:
-        return None
-    family = family_of(problem.scene)
-    if family is None or problem.law.name != (ELASTIC if family == "elastic" else YIELDS):
+    """The interval of a summary value of one impact; None if it is not positive, or too few measurements are known."""
+    family = _family(problem)
+    if family is None or value is None or not value > 0.0:
         return None
     found = residuals_of(family, name)
     if found is None:

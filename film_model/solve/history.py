@@ -18,7 +18,7 @@ from film_model.core import native
 from film_model.effects.choose import Choice
 from film_model.effects.effect import Effect
 from film_model.oblique.result import Oblique
-from film_model.problem.model_intervals import ModelInterval, model_interval
+from film_model.problem.model_intervals import ModelInterval, model_interval, no_interval
 from film_model.problem.problem import Problem
 from film_model.problem.summary import SUMMARY
 from film_model.scene import Scene
@@ -204,6 +204,12 @@ class History:
         found = {name: model_interval(self.problem, name, value) for name, value in self.summary.items()}
         return {name: interval for name, interval in found.items() if interval is not None}
 
+    @cached_property
+    def evidence(self) -> Mapping[str, str]:
+        """The measurements that each interval comes from, and why a value has none though others of its kind have."""
+        found = {name: no_interval(self.problem, name) for name in self.summary}
+        return {name: said for name, said in found.items() if said} | {n: i.evidence for n, i in self.intervals.items()}
+
     def interval(self, name: str) -> tuple[Any, Any, str] | None:
         """The 90 % interval of the model of a summary value: two quantities, and the measurements that it comes from.
 
@@ -345,14 +351,16 @@ class History:
         }
 
     def interval_text(self, name: str) -> str:
-        """What is printed behind a summary value about its interval; nothing without evidence."""
-        found = self.intervals.get(name)
-        return "" if found is None else found.text(SUMMARY[name][0])
+        """What is printed behind a summary value about its interval, or why it has none; often nothing."""
+        if name in self.intervals:
+            return self.intervals[name].text(SUMMARY[name][0])
+        return f", {self.evidence[name]}" if name in self.evidence else ""
 
     def _evidence(self, name: str) -> dict[str, Any]:
-        """The interval of a summary value and its evidence, for JSON; nothing without evidence."""
+        """The interval of a summary value and its evidence, or why it has none, for JSON; often nothing."""
         found = self.intervals.get(name)
-        return {} if found is None else {"interval": [found.low, found.high], "evidence": found.evidence}
+        said = {"evidence": self.evidence[name]} if name in self.evidence else {}
+        return said if found is None else {"interval": [found.low, found.high], **said}
 
     def to_json(self) -> str:
         """The same values as the text of one JSON object."""

@@ -25,12 +25,12 @@ TESTED = (AUTO, *(name for name, law in LAWS.items() if law.family == "yields"))
 """Laws that are compared: the default, and those of spheres that yield."""
 
 GROUPS: dict[str, Callable[[Row], bool]] = {
-    "measured": lambda row: row.usable,
-    "measured, used": lambda row: row.usable and not row.held_out,
-    "measured, held out": lambda row: row.usable and row.held_out,
+    "measured": lambda row: row.of_steel,
+    "measured, used": lambda row: row.of_steel and not row.held_out,
+    "measured, held out": lambda row: row.of_steel and row.held_out,
     "theory": lambda row: row.kind == "theory",
 }
-"""Groups of rows whose errors are shown."""
+"""Groups of rows whose errors are shown; measured: those on steel of known hardness."""
 
 
 class Prediction(NamedTuple):
@@ -38,7 +38,7 @@ class Prediction(NamedTuple):
 
     row: Row
     value: float
-    family: str | None
+    family: str
     outside: bool
 
     @property

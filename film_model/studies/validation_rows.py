@@ -67,6 +67,11 @@ class Row(NamedTuple):
         return self.kind == "measured" and self.complete
 
     @property
+    def of_steel(self) -> bool:
+        """Whether it is usable, and of a steel of known hardness, so that every law can simulate it."""
+        return self.usable and self.hardness is not None
+
+    @property
     def rough(self) -> bool:
         """Whether it can be simulated, but its hardness is not known within `LARGEST_INPUT_UNCERTAINTY`."""
         able = self.hardness is not None and all(x == x for x in (self.radius, self.mass, self.velocity))

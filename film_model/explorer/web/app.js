@@ -144,11 +144,12 @@ function showSummary(scene, result, other) {
   const error = result.error.toExponential(1);
   const means = result.modes > 0 ? ` with ${result.modes} natural vibrations` : result.segments > 0 ? ` with ${result.segments} segments` : "";
   const measured = intervalsOf(scene, result).map(({ name, low, high, covered, evidence }) => {
+    if (low === undefined || high === undefined || covered === undefined) return `${name.replaceAll("_", " ")}: ${evidence}`;
     const [from, to] = [low, high].map((value) => shown(value, DATA.summary[name][0], 3));
     return `${name.replaceAll("_", " ")}: ${from} to ${to} (${100 * covered} % of ${evidence})`;
   });
   byId("intervals").hidden = measured.length === 0;
-  byId("intervals").textContent = `Measured values would lie within: ${measured.join("; ")}.`;
+  byId("intervals").textContent = `Where measured values would lie: ${measured.join("; ")}.`;
   byId("error").textContent = `Law ${result.law.name}. Estimated relative error of every value ≤ ${error}${means}.${ended}`;
 }
 

@@ -306,15 +306,18 @@ function summaryOf(scene, p, core, n) {
 }
 
 /**
- * How far measured values lie from those of law "auto", by film_model/problem/model_intervals.py. @param {Scene} scene @param {Result} result
- * @returns {{name: string, low: number, high: number, covered: number, evidence: string}[]}
+ * How far measured values lie from those of law "auto", by film_model/problem/model_intervals.py; without `low` why this is not known.
+ * @param {Scene} scene @param {Result} result
+ * @returns {{name: string, low?: number, high?: number, covered?: number, evidence: string}[]}
  */
 function intervalsOf(scene, { n, choice: { problem }, summary }) {
   const decided = scene.law === "auto" && scene.effects.rate_hardening !== false;
   if (!decided || scene.base.free || !problem || problem.vibrates || (problem.p.gamma > 0 && n.impedance < Infinity)) return [];
-  if (problem.law.name !== (n.family === 0 ? DATA.constants.elastic : DATA.constants.yielding)) return [];
-  const known = (DATA.intervals[n.family] ?? []).filter((/** @type {any} */ { name }) => summary[name] > 0);
-  return known.map((/** @type {any} */ { name, low, high, most, up_to: reach, largest, covered, evidence }) => {
+  const { elastic, yielding, polymer } = DATA.constants;
+  if (n.family !== polymer && problem.law.name !== (n.family === 0 ? elastic : yielding)) return [];
+  const known = (DATA.intervals[n.family] ?? []).filter((/** @type {any} */ { name, missing }) => missing || summary[name] > 0);
+  return known.map((/** @type {any} */ { name, low, high, most, up_to: reach, largest, covered, evidence, missing }) => {
+    if (missing) return { name, evidence: missing };
     const [least, greatest] = [low, high].map((residual) => Math.min(summary[name] * Math.exp(residual), largest ?? Infinity));
     const ratio = n.yield_velocities;
     const beyond = ratio > most ? `; extrapolated from ${reach} to ${ratio.toFixed(0)} yield velocities` : "";

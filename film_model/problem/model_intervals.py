@@ -77,7 +77,7 @@ _WIDER = {one: wide for wide, own in POOLED.items() for one in own}
 
 
 class Residuals(NamedTuple):
-    """Residuals of one family and quantity. low, high: of ln(measured/computed). most: yield velocities of any row."""
+    """Residuals of one family and quantity. low, high: of ln(measured/computed). most: yield velocities of any row, 0 of none."""
 
     family: str
     quantity: str
@@ -170,7 +170,7 @@ def model_interval(problem: Problem, name: str, value: float | None) -> ModelInt
     low, high = (min(value * math.exp(residual), LARGEST.get(name, math.inf)) for residual in (found.low, found.high))
     said = evidence(family, found)
     ratio = yield_velocities(problem.scene)
-    if ratio is not None and ratio > found.most:
+    if ratio is not None and 0.0 < found.most < ratio:
         said += f"; extrapolated from {found.most:.0f} to {ratio:.0f} yield velocities"
     return ModelInterval(low, high, said)
 

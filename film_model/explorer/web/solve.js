@@ -320,7 +320,7 @@ function intervalsOf(scene, { n, choice: { problem }, summary }) {
     if (missing) return { name, evidence: missing };
     const [least, greatest] = [low, high].map((residual) => Math.min(summary[name] * Math.exp(residual), largest ?? Infinity));
     const ratio = n.yield_velocities;
-    const beyond = ratio > most ? `; extrapolated from ${reach} to ${ratio.toFixed(0)} yield velocities` : "";
+    const beyond = most > 0 && ratio > most ? `; extrapolated from ${reach} to ${ratio.toFixed(0)} yield velocities` : "";
     return { name, low: least, high: greatest, covered, evidence: evidence + beyond };
   });
 }

@@ -23,6 +23,7 @@ import film_model as fm
 from examples.finite_elements.against_laws import COMPARED, FASTEST, Runs, errors, runs_of
 from examples.model_intervals import coverage, coverage_from_others, coverage_of_new_sources, slow_predictions
 from examples.reference.validation_inputs import (
+    COMPLETE,
     FAST,
     NEAR,
     ROUGH,
@@ -375,7 +376,7 @@ def page() -> tuple[str, list[LawReport]]:
         families=family_rows(found),
         flows=flows,
         unraised=", ".join(f"`{name}`" for name in TESTED if name != AUTO and not has_strength(name)),
-        misses=", ".join(f"{p.row.note} ({100 * p.error:+.0f} %)" for p in found if abs(p.error) > NEAR and p.row.of_steel),
+        misses=", ".join(f"{p.row.note} ({100 * p.error:+.0f} %)" for p in inputs[COMPLETE] if abs(p.error) > NEAR),
         gap=f"{low:.0f} to {high:.0f}",
         between=sum(low < (p.row.hardness or 0.0) < high for p in found if p.row.quantity == REBOUND),
         inputs=input_rows(inputs),
@@ -422,9 +423,8 @@ def how_sure(reports: Sequence[LawReport]) -> str:
         "|---|---|---|---|",
     ]
     for report in reports:
-        cells = [
-            error_cell(report.errors(lambda row, own=own: row.of_steel and row.quantity in own)) for own in kinds.values()
-        ]
+        groups = (report.errors(lambda row, own=own: row.of_steel and row.quantity in own) for own in kinds.values())
+        cells = list(map(error_cell, groups))
         restitution = np.abs(errors(runs, report.law)["coefficient_of_restitution"][~runs.fast])
         lines.append(f"| `{report.law}` | {' | '.join(cells)} | {error_cell(restitution.tolist())} |")
     return "\n".join(lines)

@@ -137,10 +137,10 @@ def fracture(case: Case, rule: Rule) -> Effect:
         σ = (1 − 2ν) p0/3              tensile_strength: stress at the edge (Hertz), p0 = 1.5 times the mean pressure
         F ≤ W + √(W² + 4π R p_c E)     crushing_strength: p_c = 3 times it, weight W, impact energy E
 
-    Surfaces without such flaws bear more: first cracks in float glass gave a higher toughness than other tests, in part by
-    friction (Geandier, Denis & Mocellin 2003, J. Non-Cryst. Solids 318:284). Small contacts bear several times the tensile
-    strength, on concrete more than p_c; ice 2 to 3.3 times its strength (Gagnon & Gammon 1997, J. Glaciol. 43). What a
-    crack absorbs is unknown.
+    Surfaces without such flaws bear more: first cracks in float glass gave a higher toughness than other tests, in part
+    by friction (Geandier, Denis & Mocellin 2003, J. Non-Cryst. Solids 318:284). Small contacts bear several times the
+    tensile strength, on concrete more than p_c; ice 2 to 3.3 times its strength (Gagnon & Gammon 1997, J. Glaciol. 43).
+    What a crack absorbs is unknown.
     """
     scene = case.scene
     bodies = {"impactor": scene.impactor.material, "target": scene.target.material}

@@ -77,7 +77,10 @@ _WIDER = {one: wide for wide, own in POOLED.items() for one in own}
 
 
 class Residuals(NamedTuple):
-    """Residuals of one family and quantity. low, high: of ln(measured/computed). most: yield velocities of any row, 0 of none."""
+    """Residuals of one family and quantity.
+
+    low, high: of ln(measured/computed). most: yield velocities of any row, 0 of elastic ones.
+    """
 
     family: str
     quantity: str

@@ -51,8 +51,8 @@ def test_the_dataset_is_complete_and_valid(rows):
     assert fd.validate(ds) == []
     shown = [row for row in rows if row.kind == "measured"]
     usable = [row for row in shown if row.usable]
-    assert len(shown) >= 160 and len({row.source for row in shown}) >= 25
-    assert len(usable) >= 44 and len({row.source for row in usable}) >= 8
+    assert len(shown) >= 240 and len({row.source for row in shown}) >= 40
+    assert len(usable) >= 96 and len({row.source for row in usable}) >= 13
     assert {line.partition(": ")[0] for line in ds.attrs["sources"].split("\n")} == {row.source for row in rows}
     assert all(0.0 < row.uncertainty < 0.3 for row in usable)
     assert all(row.radius > 0.0 and row.mass > 0.0 and row.velocity > 0.0 and row.ball and row.target for row in usable)
@@ -66,8 +66,20 @@ def test_a_third_of_the_measured_rows_is_held_out(rows):
     measured = [row for row in rows if row.kind == "measured"]
     assert 0.25 < sum(row.held_out for row in measured) / len(measured) < 0.45
     usable = [row for row in measured if row.usable]
-    assert 0.25 < sum(row.held_out for row in usable) / len(usable) < 0.6  # 29 of 70 by chance
+    assert 0.25 < sum(row.held_out for row in usable) / len(usable) < 0.6  # 37 of 96 by chance
     assert rows[0]._replace(value=1.0, note="").held_out == rows[0].held_out, "by source and number only"
+
+
+def test_glass_on_glass_is_that_of_the_oblique_page(rows):
+    """Normal velocities of the same impacts; half the radius and mass of one ball."""
+    path = EXAMPLES / "measurements" / "glass_on_glass.csv"
+    lines = [line for line in path.read_text("utf-8").splitlines() if not line.startswith("#")][1:]
+    own = [row for row in rows if row.source == "louge_glass"]
+    for row, line in zip(own, lines, strict=True):
+        before, _, after, _ = map(float, line.split(","))
+        assert row.velocity == before and row.value == pytest.approx(after / before, abs=1e-4)
+        assert row.radius == 3.18e-3 / 4 and row.mass == pytest.approx(2500 * math.pi * 3.18e-3**3 / 12, rel=1e-4)
+        assert row.ball == row.target and not row.of_steel
 
 
 def test_words_that_are_not_known_are_named(tmp_path):

@@ -23,6 +23,7 @@ from film_model.explorer.inputs import ALONG as PATHS
 from film_model.explorer.page import WASM, page, write_page
 from film_model.oblique import springs
 from film_model.problem.summary import rounding
+from film_model.solve.vibration import STEP
 from film_model.studies.regimes import regimes
 
 pytestmark = [
@@ -274,6 +275,10 @@ HELD = {
     "plate": {"kind": "plate", "thickness": "1.5 mm", "size": ["100 mm", "100 mm"], "material": "mild steel"},
     "beam": {"kind": "beam", "length": "200 mm", "width": "20 mm", "thickness": "5 mm", "material": "mild steel"},
     "rod": {"kind": "rod", "length": "40 mm", "diameter": "10 mm", "material": "mild steel"},
+    "sheet": {"kind": "plate", "thickness": "0.3 mm", "size": ["80 mm", "60 mm"], "material": "mild steel"}
+    | {"in_plane": "fixed"},
+    "strip": {"kind": "beam", "length": "200 mm", "width": "5 mm", "thickness": "1 mm", "material": "mild steel"}
+    | {"ends": "clamped", "in_plane": "fixed"},
     "static": {"kind": "plate", "thickness": "2 mm", "material": "mild steel", "static_stiffness": "1e6 N/m"},
 }
 CHANGES = (
@@ -296,8 +301,10 @@ SCALED = (
 @pytest.mark.parametrize("kind", HELD)
 def test_targets_that_vibrate_equal_python(shown, tmp_path, kind):
     damped = {} if kind == "static" else {"damping_ratio": 0.02}
-    write_page(tmp_path / "impact.html", fm.Scene.from_table({"impactor": BALL, "target": HELD[kind] | damped}))
-    fragments = ["scene=scene" + change for change in (*CHANGES, *(SCALED if kind == "plate" else ()))]
+    scene = fm.Scene.from_table({"impactor": BALL, "target": HELD[kind] | damped})
+    stretches = {"effects.stretching": True} if "in_plane" in HELD[kind] else {}
+    write_page(tmp_path / "impact.html", scene.replace(stretches))
+    fragments = ["scene=scene" + change for change in (*CHANGES, *(SCALED if kind in ("plate", "sheet") else ()))]
     window = shown((tmp_path / "impact.html").as_uri())
     compared = 0
     for fragment, (found, text) in zip(fragments, window.evaluate(SUMMARIES, fragments), strict=True):
@@ -305,7 +312,10 @@ def test_targets_that_vibrate_equal_python(shown, tmp_path, kind):
             assert "cannot be in series" in found["reason"], (fragment, found)
             continue
         compared += 1
-        check(*simulated(fm.Scene.from_text(text), found), found, fragment)
+        history, factor = simulated(fm.Scene.from_text(text), found)
+        check(history, factor, found, fragment)
+        if stretches and found["modes"] == history.accuracy.modes:
+            assert found["error"] == pytest.approx(history.accuracy.estimated, abs=STEP * 1e-3), fragment
         assert (found["modes"] > 0) is (kind != "static" and "target_motion=false" not in fragment)
     assert compared >= 6
     window.click("#part-laws > summary")

@@ -10,7 +10,7 @@ import film_datasets as fd
 import film_model as fm
 from film_model.core import modal, native
 from film_model.effects.choose import choose
-from film_model.explorer.support import data
+from film_model.explorer.support import computed, data, fixed_to
 from film_model.laws import Hertz
 from film_model.problem.curve import curve_of
 from film_model.solve import structures, vibration
@@ -192,9 +192,23 @@ def test_when_they_are_simulated():
         choose(struck(1.0, in_plane=None, effects={"stretching": True}))
     with pytest.raises(ValueError, match="in_plane"):
         fm.Plate(layup=[["carbon/epoxy UD", "1 mm", 0]], material="glass", size=["1 m", "1 m"], in_plane="fixed")
-    assert "membrane" in data(choose(struck(1.0)))[1]
     with pytest.warns(fm.ImpactWarning, match="membrane forces of the plate are left out"):
         fm.ImpactComponent(struck(1.0))
+
+
+def test_what_a_page_gets():
+    """Forms of the lowest modes, and what was decided about them: the page cannot decide it again."""
+    choice = choose(struck(1.0))
+    found, reason = data(choice)
+    assert found is not None and not reason and fixed_to(choice).effects.stretching is True
+    forms, few = found["membrane"]["forms"], found["membrane"]["few"]
+    known = structures.made(choice.scene.target, found["highest"], 1.0, structures.CARRIED).tables.forms
+    assert [len(row) for row in forms[0]] == list(range(1, known.shape[1] + 1)) and few == 8
+    assert forms[-1][-1] == known[-1, -1].tolist()
+    slow = choose(struck(1e-3))
+    found, _ = data(slow)
+    assert found is not None and "membrane" not in found and fixed_to(slow).effects.stretching is False
+    assert not computed(choice.scene.target) and computed(struck(1.0, in_plane=None).target)
 
 
 def test_sensors_files_and_sweeps(tmp_path):

@@ -20,7 +20,7 @@ ON_MODES = "motion of the modes, about 100 times slower"
 """7 to 160 times against infinite plates: a steel ball on steel plates of 2 and 4 mm, 115 to 1068 modes."""
 
 STRETCHED = "motion of the modes, about 1000 times slower"
-"""10 to 30 times against the modes of a square plate without membrane forces, with 11 and 15 that have them."""
+"""3 to 20 times against the modes of a square plate without membrane forces, with 11 and 15 that have them."""
 
 COMPUTED = {
     "plasticity": 'the contact yields: for law "auto", elastoplastic instead of hertz',

@@ -40,8 +40,10 @@ LIVE = tuple(f"target.material.{entry}" for entry in STRENGTH_ENTRIES)
 
 def fixed_to(choice: Choice) -> Scene:
     """The scene with the support that was chosen for it, whatever else changes."""
-    vibrates = choice.problem.vibrates
-    effects = choice.scene.effects.changed(target_motion=True, boundary_reflections=True, target_inertia=vibrates)
+    vibrates, effects = choice.problem.vibrates, choice.scene.effects
+    stretching = choice.problem.stretches if choice.scene.target.stretches else effects.stretching
+    support = {"target_motion": True, "boundary_reflections": True, "target_inertia": vibrates}
+    effects = effects.changed(**support, stretching=stretching)
     return replace(choice.scene, effects=effects)
 
 
@@ -71,19 +73,20 @@ def damping_of(target: AbstractTarget) -> list[Input]:
 
 
 def computed(target: AbstractTarget) -> bool:
-    """Whether the page computes how the target moves between edges: a plate of no layers, bed, springs, sensors, and
-    of no theory "mindlin"."""
+    """Whether the page computes how the target moves between edges: a plate of no layers, bed, springs, sensors, of
+    no theory "mindlin", and without `in_plane`."""
     if not isinstance(target, Plate) or target.layup is not None or target.stiffness_given or target.sensors:
         return False
-    alike = isinstance(target.damping_ratio, float | None) and target.theory != "mindlin"
+    alike = isinstance(target.damping_ratio, float | None) and target.theory != "mindlin" and target.in_plane is None
     return alike and not (target.foundation_stiffness or target.edge_stiffness)
 
 
 def data(choice: Choice) -> tuple[dict[str, Any] | None, str]:
     """Compliance and modes of the target for the page, None if it has neither; and why the page cannot carry them.
 
-    scales: of :func:`scales_of`. lacking: that of vibrations which the scene does not give; None where the page has not
-    all of those it gives.
+    scales: of :func:`scales_of`. membrane: lower halves of the forms of its energy, and on how many modes it is with
+    half of `structures.CARRIED`; none if it is not simulated. lacking: that of vibrations which the scene does not
+    give; None where the page has not all of those it gives.
     """
     target, vibrates = choice.scene.target, choice.problem.vibrates
     if not vibrates and not (choice.decided[1] and choice.support.compliance > 0.0):
@@ -91,43 +94,37 @@ def data(choice: Choice) -> tuple[dict[str, Any] | None, str]:
     found: dict[str, Any] = {"compliance": target.compliance or 0.0, "modes": None, "scales": scales_of(target)}
     if not vibrates:
         return found, ""
-    if choice.problem.stretches:
-        return None, f"membrane forces of the {target.kind} are not computed on a page"
     asked = choice.scene.solver.accuracy or DEFAULT_ACCURACY
     own = vibration.vibrate(choice.problem, target, asked, [], recorded=False)[0]
     whole = isinstance(target, Structure)  # all of its vibrations are known
-    modes = structures.made(target, ALL, own.unit) if whole else _modes_above(target, own.highest, own.unit)
+    carried = structures.CARRIED if choice.problem.stretches else 0
+    modes = structures.made(target, ALL, own.unit) if whole else _modes_above(target, own.highest, own.unit, carried)
     if modes.tables.count > MOST_MODES:
         return None, f"the {target.kind} moves by {modes.tables.count} natural vibrations, too many for a page"
     found["lacking"] = target.omitted(target.modes(ALL), ALL) if whole else None
     found |= {"lowest": structures.lowest_frequency(target), "highest": modes.highest}
+    if carried:
+        few = structures.structure_of(target, modes.highest, own.unit, carried // 2).tables.forms.shape[1]
+        halves = [[row[: i + 1].tolist() for i, row in enumerate(form)] for form in modes.tables.forms]
+        found["membrane"] = {"forms": halves, "few": few}
     columns = ("frequency", "share", "ratio")
     return found | {"modes": {name: getattr(modes.tables, name).tolist() for name in columns}}, ""
 
 
-def _modes_above(target: AbstractTarget, needed: float, unit: float) -> structures.Structure:
+def _modes_above(target: AbstractTarget, needed: float, unit: float, carried: int) -> structures.Structure:
     """The modes up to `SPARE` times a frequency, or up to the frequency if these are too many or cannot be computed."""
     try:
-        found = structures.made(target, SPARE * needed, unit)
+        found = structures.made(target, SPARE * needed, unit, carried)
     except TooManyModes:
-        return structures.structure_of(target, needed, unit)
-    return found if found.tables.count <= MOST_MODES else structures.structure_of(target, needed, unit)
+        return structures.structure_of(target, needed, unit, carried)
+    return found if found.tables.count <= MOST_MODES else structures.structure_of(target, needed, unit, carried)
 
 
 def constants() -> dict[str, Any]:
     """The numbers of :mod:`film_model.solve.vibration` and :mod:`film_model.solve.structures`."""
     names = (
-        *(
-            "FIRST_PHASE",
-            "DAMPED_FACTOR",
-            "DAMPED_FALL",
-            "MODES_FACTOR",
-            "MODES_FALL",
-            "FOLLOWED",
-            "HIGHEST",
-            "IMPULSES",
-        ),
-        *("IMPULSES", "LONGEST", "NEGLIGIBLE", "REFINED", "SLOWEST", "STEP", "TIGHTEST", "UNRESOLVED"),
+        *("FIRST_PHASE", "DAMPED_FACTOR", "DAMPED_FALL", "MEMBRANE_FACTOR", "MODES_FACTOR", "MODES_FALL", "FOLLOWED"),
+        *("HIGHEST", "IMPULSES", "LONGEST", "NEGLIGIBLE", "REFINED", "SLOWEST", "STEP", "TIGHTEST", "UNRESOLVED"),
     )
     return numbers_of(vibration, names) | {
         "above": structures.ABOVE,

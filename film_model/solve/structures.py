@@ -71,26 +71,31 @@ def modes_of(target: AbstractTarget, highest: float, carried: int = 0) -> tuple[
     """The modes up to a frequency, and the forms of the membrane energy of at most `carried` of them, None without."""
     if not carried:
         return target.modes(highest).merged(), None
-    (low, forms), high = _by_target(_kept_membrane, _membrane, target, carried), target.modes(highest)
+    (low, forms), high = _by_target(_kept_membrane, _membrane, target), target.modes(highest)
+    low = low.below(min(highest, _border(low.frequency, carried)))
     count = low.frequency.size
-    if high.frequency.size <= count:
-        low = low.below(highest)
-        return low, forms[:, : low.frequency.size, : low.frequency.size]
     names = ("frequency", "share", "damping_ratio", "factor", "strain")
     parts = ((getattr(low, name), getattr(high, name)[..., count:]) for name in names)
-    return Modes(*(np.concatenate(part, axis=-1) for part in parts)), forms
+    return Modes(*(np.concatenate(part, axis=-1) for part in parts)), forms[:, :count, :count]
 
 
-def _membrane(target: AbstractTarget, carried: int) -> tuple[Modes, Array]:
-    """The lowest modes, up to a frequency from which the next is apart, and their forms."""
+def _membrane(target: AbstractTarget) -> tuple[Modes, Array]:
+    """The `CARRIED` lowest modes, up to a frequency from which the next is apart, and their forms."""
     highest = 2.0 * lowest_frequency(target)
-    while (known := target.modes(highest).frequency).size <= carried:
+    while (known := target.modes(highest).frequency).size <= CARRIED:
         highest *= 1.5
         if highest > MOST_RAISED * lowest_frequency(target):  # a thick plate has no more
             return target.membrane(highest)
+    return target.membrane(_border(known, CARRIED))
+
+
+def _border(known: Array, carried: int) -> float:
+    """A frequency below which at most `carried` of the known modes are, apart from the next."""
+    if known.size <= carried:
+        return math.inf
     gaps = np.flatnonzero(np.diff(known[: carried + 1]) > APART * known[1 : carried + 1])
     last = int(gaps[-1]) if gaps.size else 0
-    return target.membrane(0.5 * float(known[last] + known[last + 1]))
+    return 0.5 * float(known[last] + known[last + 1])
 
 
 _kept_membrane = lru_cache(maxsize=16)(_membrane)

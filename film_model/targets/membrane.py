@@ -27,8 +27,9 @@ RIGID = 1e-12
 """Stiffness of displacements in the plane over that of the basic ones, so that those without strain stay small."""
 
 SMALL = 1e-3
-"""Principal parts that are left out, over the largest, of the energy of modes bent as by a force at rest. Without a limit
-forces at half and three thicknesses change by 2e-5 to 2e-4; there are a third as many parts as of modes bent alike."""
+"""Principal parts over the largest that are left out, with modes in proportion to their deflections by a force at rest:
+without them forces at half and three thicknesses change by 2e-5 to 2e-4. Of modes of equal size three times as many
+parts would be needed, as the highest bend most."""
 
 Seen = Callable[[Points], Modes]
 """The vibrations at points of a target."""
@@ -64,16 +65,15 @@ def membrane_forms(
     points = tuple(map(tuple, np.stack(grid, -1).reshape(-1, len(size)).tolist()))
     modes = seen((*sensed, *points))
     weight = np.prod(np.meshgrid(*(weights * side / 2.0 for side in size), indexing="ij"), axis=0)
-    root = np.linalg.cholesky(stiffness)
-
-    def scaled(strains: Array) -> Array:
-        return np.einsum("ck,pc...->pk...", root, strains * np.sqrt(weight)).reshape(len(strains), -1)
-
     shapes = (modes.factor[len(sensed) :] / modes.share).T.reshape(-1, *weight.shape)
-    own, plane = scaled(_stretched(shapes, at, size)), scaled(_plane(at, size, held))
-    plane /= np.maximum(np.linalg.norm(plane, axis=1), np.finfo(float).tiny)[:, None]
-    mixed = plane @ own.T
-    left = own @ own.T - mixed.T @ np.linalg.solve(plane @ plane.T + RIGID * np.eye(len(plane)), mixed)
+    strains, lines = _stretched(shapes, at, size), _lines(at, size, held)
+    forces = np.einsum("cd,pd...->pc...", stiffness, strains) * weight
+    mixed = _work(forces, lines)
+    plane = _energy(stiffness, lines, [weights * side / 2.0 for side in size])
+    norms = np.sqrt(np.maximum(np.diagonal(plane), np.finfo(float).tiny))
+    plane, mixed = plane / np.outer(norms, norms) + RIGID * np.eye(len(norms)), mixed / norms[:, None]
+    own = strains.reshape(len(strains), -1) @ forces.reshape(len(strains), -1).T
+    left = own - mixed.T @ np.linalg.solve(plane, mixed)
     i, j = np.triu_indices(len(shapes))
     bent = modes.share / modes.frequency**2  # by a force at rest
     pairs = bent[i] * bent[j]
@@ -107,8 +107,9 @@ def _derivatives(at: Array, count: int) -> Array:
     )
 
 
-def _plane(at: Array, size: tuple[float, ...], held: tuple[bool, ...]) -> Array:
-    """Strains of the displacements in the plane: (displacements, strains, points …)."""
+def _lines(at: Array, size: tuple[float, ...], held: tuple[bool, ...]) -> list[tuple[Array, Array]]:
+    """Functions along each side, of whose products the displacements in the plane are made, and their derivatives, 1/m:
+    (functions, points)."""
     count, lines = IN_PLANE if len(size) > 1 else GRID, list[tuple[Array, Array]]()
     for k, side in enumerate(size):
         values, slopes = np.asarray(legendre.legvander(at, count - 1), np.float64), _derivatives(at, count)
@@ -117,9 +118,28 @@ def _plane(at: Array, size: tuple[float, ...], held: tuple[bool, ...]) -> Array:
                 near = (1.0 + sign * at)[:, None]
                 values, slopes = values * near, slopes * near + sign * values
         lines.append((values.T, slopes.T * 2.0 / side))
-    if len(size) == 1:
-        return lines[0][1][:, None]
-    (x, dx), (y, dy) = lines
-    along, across = (np.einsum("ai,bj->abij", *pair).reshape(-1, at.size, at.size) for pair in ((dx, y), (x, dy)))
-    none = np.zeros_like(along)
-    return np.concatenate([np.stack([along, none, across], 1), np.stack([none, across, along], 1)])
+    return lines
+
+
+def _work(forces: Array, lines: list[tuple[Array, Array]]) -> Array:
+    """Work of membrane forces on the strains of the displacements, along x and then along y: (displacements, pairs)."""
+    (x, dx), *across = lines
+    if not across:
+        return dx @ forces[:, 0].T
+    y, dy = across[0]
+    xx, yy, xy = np.moveaxis(forces, 1, 0)
+    both = np.stack([dx @ xx @ y.T + x @ xy @ dy.T, x @ yy @ dy.T + dx @ xy @ y.T])
+    return np.moveaxis(both, 1, -1).reshape(-1, len(forces))
+
+
+def _energy(stiffness: Array, lines: list[tuple[Array, Array]], weights: list[Array]) -> Array:
+    """Twice the energy of the displacements: integrals along x times integrals along y."""
+    ((x, dx), *across), (own, *other) = lines, weights
+    if not across:
+        return stiffness[0, 0] * (dx * own) @ dx.T
+    y, dy = across[0]
+    slopes, turns = np.kron(dx * own @ dx.T, y * other[0] @ y.T), np.kron(x * own @ x.T, dy * other[0] @ dy.T)
+    mixed, twist = np.kron(dx * own @ x.T, y * other[0] @ dy.T), np.kron(x * own @ dx.T, dy * other[0] @ y.T)
+    (xx, xy), (yy, shear) = stiffness[0, :2], np.diagonal(stiffness)[1:]
+    mixed = xy * mixed + shear * twist
+    return np.block([[xx * slopes + shear * turns, mixed], [mixed.T, yy * turns + shear * slopes]])

@@ -9,7 +9,7 @@
  * of the largest, or than SHARE of the tolerance. A step that needs more turns is too long. In the limit of work so many numbers of
  * the forms, FORM_WORK, count as a step. */
 static const double SETTLED = 1e-12, SHARE = 1e-3;
-enum { TURNS = 25, FORM_WORK = 16000, ROWS = 4, PER_STEP = 4, PER_CARRIED = (2 * NODES + 3) * NODES };
+enum { TURNS = 25, FORM_WORK = 1000, ROWS = 4, PER_STEP = 4, PER_CARRIED = (2 * NODES + 3) * NODES };
 
 /* The first guess is the last step's cubic, at most this many of its steps after it began. A turn is expected to leave no less than
  * LEAST_FACTOR of the change. */

@@ -22,6 +22,7 @@ function supportNow(scene) {
     lowest: rate * support.lowest,
     highest: rate * support.highest,
     modes: support.modes && { frequency: scaled(frequency, rate), share: scaled(share, 1 / mass), ratio },
+    stiffer: Math.sqrt(modulus * thickness),
   };
 }
 
@@ -68,12 +69,12 @@ function feltCompliance(support, fixed, mass) {
 /**
  * The modes up to a frequency in the core's form, kept; with the omitted ones as one more mode for a law that no spring can follow.
  * @param {Scene} scene @param {number} highest in rad/s @param {number} longest step in s @param {boolean} series
- * @param {number} [softer] compliance that the omitted ones have more, m/N
+ * @param {number} [softer] compliance that the omitted ones have more, m/N @param {boolean} [few] membrane forces on half as many
  */
-function structureOf(scene, highest, longest, series, softer = 0) {
+function structureOf(scene, highest, longest, series, softer = 0, few = false) {
   const support = supportNow(scene);
   const own = scene.values["target.damping_ratio"];
-  const key = `${support.key} ${highest} ${longest} ${series} ${own} ${softer}`;
+  const key = `${support.key} ${highest} ${longest} ${series} ${own} ${softer} ${few}`;
   const known = CORE.structures.get(key);
   if (known) return known;
   CORE.tidy();
@@ -83,6 +84,7 @@ function structureOf(scene, highest, longest, series, softer = 0) {
   let count = frequency.length;
   while (count > 0 && frequency[count - 1] > highest) count--;
   const [omitted, shares] = [omittedFrom(seen, count) + softer, sharesUpTo(seen, count)];
+  const forms = formsOf(seen, count, few);
   const columns = [frequency, share, ratio].map((/** @type {number[]} */ column) => column.slice(0, count));
   if (!series && omitted > 0) {
     const above = DATA.constants.vibration.above * highest;
@@ -94,23 +96,31 @@ function structureOf(scene, highest, longest, series, softer = 0) {
   const [place, memory] = [CORE.allocate(512), CORE.allocate(8 * CORE.c.film_structure_size(count, levels))];
   const status = CORE.c.film_structure_init(place, count, ...places, longest, levels, memory);
   if (status !== 0) throw new Failure(status);
+  CORE.c.film_structure_stretch(place, forms[0]?.length ?? 0, forms.length, CORE.numbersAt(forms.flat(2)));
   const made = { place, count, omitted, shares, damped: columns[2].some((/** @type {number} */ value) => value > 0) };
   CORE.structures.set(key, made);
   return made;
 }
 
+/** Forms of the membrane energy of so many modes at most, none without. @param {any} support @param {number} count @param {boolean} few @returns {number[][][]} */
+function formsOf({ membrane, stiffer = 1 }, count, few) {
+  const size = { length: Math.min(count, few ? membrane?.few : Infinity, membrane?.forms[0].length) };
+  const at = (/** @type {number[][]} */ form, /** @type {number} */ i, /** @type {number} */ j) => stiffer * form[Math.max(i, j)][Math.min(i, j)];
+  return (membrane?.forms ?? []).map((/** @type {number[][]} */ form) => Array.from(size, (_, i) => Array.from(size, (__, j) => at(form, i, j))));
+}
+
 /**
  * The impact on the modes up to a frequency. Its record stays in memory until something else is computed.
  * @param {Scene} scene @param {Problem} problem @param {number} highest @param {number} tolerance of a step @param {number} limit s
- * @param {number} [softer] as of structureOf
+ * @param {number} [softer] as of structureOf @param {boolean} [few]
  */
-function followed(scene, problem, highest, tolerance, limit, softer = 0) {
+function followed(scene, problem, highest, tolerance, limit, softer = 0, few = false) {
   const { p, law, curve } = problem;
-  const structure = structureOf(scene, highest, rounded(p.time), law.series, softer);
+  const structure = structureOf(scene, highest, rounded(p.time), law.series, softer, few);
   const rest = law.series ? (structure.omitted * p.force) / p.length : 0;
   const { layout, top } = CORE;
   const start = CORE.allocate(layout.modal_start.size);
-  const values = { nu: p.approach, load: p.load, rest, mass: p.mass, unit: p.time, damping: p.damping, tolerance, limit, stop: 0 };
+  const values = { nu: p.approach, load: p.load, rest, mass: p.mass, unit: p.time, damping: p.damping, tolerance, limit, stop: 0, stretch: p.length ** 2 };
   let found;
   for (let room = 2048; ; room *= 4) {
     found = marched(structure, curve, start, values, room);
@@ -129,7 +139,7 @@ function marched(structure, curve, start, values, room) {
   const { layout, c } = CORE;
   const { modal, modal_summary: outcome, modal_segment: segment, modal_event: event } = layout;
   const flights = Math.max(room >> 5, 16);
-  const [state, waves] = [CORE.allocate(modal.size), CORE.allocate(32 * structure.count)];
+  const [state, waves] = [CORE.allocate(modal.size), CORE.allocate(8 * c.film_waves_size(structure.place))];
   const [result, record, energies] = [outcome.size, 64, 8 * structure.count].map((size) => CORE.allocate(size));
   const arrays = [room * segment.size, room * event.size, flights * 16 * structure.count].map((size) => CORE.allocate(size));
   let view = CORE.view();
@@ -150,7 +160,7 @@ function marched(structure, curve, start, values, room) {
     core: /** @type {Impact} */ (/** @type {unknown} */ ({ ...core, status })),
     contacts: view.getInt32(result + outcome.contacts, true),
     waited: view.getInt32(result + outcome.waited, true) !== 0,
-    energy: whole.reduce((sum, value) => sum + value, 0),
+    energy: whole.reduce((sum, value) => sum + value, 0) + c.film_modal_stretching(structure.place, state, waves),
     events: names,
     segments: arrays[0],
     count: view.getInt32(record + 24, true),
@@ -201,6 +211,13 @@ function errorOfCompliance(scene, problem, { core, highest, tolerance }, accurac
   return Math.max(...Object.values(differencesOf(problem, core, followed(scene, problem, highest, tolerance, limit, error).core)));
 }
 
+/** Bound on the error by membrane forces on the lowest modes alone: _membrane_error. @param {Scene} scene @param {Problem} problem @param {any} found @param {number} limit */
+function errorOfMembrane(scene, problem, { core, highest, tolerance }, limit) {
+  if (!supportNow(scene).membrane) return 0;
+  const other = followed(scene, problem, highest, tolerance, limit, 0, true);
+  return DATA.constants.vibration.membrane_factor * Math.max(...Object.values(differencesOf(problem, other.core, core)));
+}
+
 /** The impact with as many modes as the accuracy needs, and the error estimate. @param {Scene} scene @param {Problem} problem */
 function vibrate(scene, problem) {
   const support = supportNow(scene);
@@ -242,6 +259,7 @@ function vibrate(scene, problem) {
     } catch (failure) { // a stiff omitted mode rattles between the impactor and the others
       const long = failure instanceof Unsupported || (failure instanceof Failure && failure.status === TOO_MANY);
       if (!long || error === null) throw failure;
+      error += errorOfMembrane(scene, problem, coarse, limit);
       return { ...followed(scene, problem, coarse.highest, coarse.tolerance, limit), error, warning: unreached(accuracy, coarse) };
     }
     const changes = differencesOf(problem, coarse.core, fine.core);
@@ -261,7 +279,7 @@ function vibrate(scene, problem) {
     error = Math.max(...errors);
     if (error > accuracy && 2 * highest > support.highest) refuse();
     if (error <= accuracy || last) {
-      const own = errorOfCompliance(scene, problem, coarse, accuracy, limit);
+      const own = errorOfCompliance(scene, problem, coarse, accuracy, limit) + errorOfMembrane(scene, problem, fine, limit);
       if (own > 0) fine = follow(fine.tolerance);
       return { ...fine, error: error + own, warning: error + own <= accuracy ? "" : unreached(accuracy, fine) };
     }

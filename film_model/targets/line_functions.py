@@ -161,7 +161,8 @@ def _shapes(space: Array) -> tuple[Array, Array]:
     Motions as a rigid body come first; the others, less what they have of these, are made orthonormal in ∫f″². Singular
     values of their √mass are accurate relative to each, because the polynomials' are graded; eigenvalues of the mass
     itself are accurate relative to the largest, which spoils the shapes beside free ends, 1e-9 of the 48th and 1e-6 of
-    the 300th. Functions whose ∫f″² is above 1e14 are left out: rounding decides them.
+    the 300th. The highest, far above all waves that are resolved, are what a free edge's curvature is made of: without
+    those above 1e14 frequencies of plates with a free edge had errors of 1e-4 from degree 104 on.
     """
     root = np.sqrt(2.0 / (2.0 * np.arange(space.shape[1]) + 1.0))
     curve = _derivative(space, 2)[:, :2] * root[:2]
@@ -173,9 +174,8 @@ def _shapes(space: Array) -> tuple[Array, Array]:
     space = np.concatenate([np.linalg.solve(np.linalg.cholesky(curve[low] @ curve[low].T), space[low]), space[bends]])
     space -= ((space * root) @ (rigid * root).T) @ rigid
     turned, size, _ = np.linalg.svd(space * root, full_matrices=False)
-    known = size > 1e-7
-    found = (turned.T[known] @ space) / size[known, None]
-    return np.concatenate([np.zeros(len(rigid)), size[known] ** -2.0]), np.concatenate([rigid, found])
+    found = (turned.T @ space) / size[:, None]
+    return np.concatenate([np.zeros(len(rigid)), size**-2.0]), np.concatenate([rigid, found])
 
 
 def _joined(space: Array, bent: Array, rows: Array, highest: float, more: int) -> Array:

@@ -42,12 +42,6 @@ MOST_STRIPS = 1e9
 WORK_OF_A_STRIP = 5e5
 """What each half-wave adds to that sum, however few its polynomials."""
 
-MOST_DEGREE = 128
-"""Highest degree of the polynomials across a strip: rounding spoils those of higher degree. Shapes of a beam replace
-them, `SHAPES` times the degree, 1.6 times as many as the half-waves: frequencies then have errors as in `SHARPNESS`."""
-
-SHAPES = 0.8
-
 SPARE = 12
 """Degree of the polynomials across a strip beyond what waves and decay need: errors are then below 1e-9."""
 
@@ -169,8 +163,7 @@ def _strips(panel: Panel, points: Points, highest: float) -> list[tuple[Array, A
         )
     found: list[tuple[Array, Array]] = []
     for size in np.unique(degree):
-        ends, exact = panel.ends[1], size <= MOST_DEGREE
-        across = polynomials(ends, int(size)) if exact else line(ends, int(SHAPES * size))
+        across = polynomials(panel.ends[1], int(size))
         seen = np.array([_at(across, y, b, order) for y, order in zip(places[1], orders[1], strict=True)])
         seen = seen * 2.0 / math.sqrt(a * b)
         for odd in (False, True)[:groups]:

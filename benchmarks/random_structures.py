@@ -4,8 +4,8 @@
 
 Plates (isotropic, orthotropic, on springs or a bed, any edges, damped or not), beams of three theories and rods; 10 g
 to 3 kg, 0.1 to 10 m/s, laws that retrace, yield or are damped. The reference is the impact on the vibrations of
-`benchmarks.other_modes`, with more of them and shorter steps. Its own error is its difference to one with fewer, made
-anew; an impact is judged if that is below a third of the estimate. FIRST: the number of the first that is followed.
+`other_modes.py` and `other_plates.py`, with more of them and shorter steps. Its own error is its difference to one with
+fewer, made anew; an impact is judged if that is below a third of the estimate. FIRST: number of the first to follow.
 """
 
 from __future__ import annotations
@@ -18,7 +18,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 import film_model as fm
-from benchmarks.other_modes import COARSE, OtherModes, other_modes
+from benchmarks.other_modes import OtherModes, of_beam, of_rod
+from benchmarks.other_plates import COARSE, FINE, Statics, of_plate
 from film_model.base.errors import SimulationError
 from film_model.core.modal import Tables
 from film_model.laws import LAWS
@@ -48,8 +49,8 @@ ON_EDGES = fm.Effects(gravity=False, boundary_reflections=True, target_inertia=T
 
 
 class Judged(NamedTuple):
-    """An impact: its estimate, its error, the error of the reference, the numbers of vibrations of both, and that of
-    the three values with the largest errors."""
+    """An impact: its estimate, its error, that of the reference, the numbers of vibrations of both, and the errors of
+    the three values with the largest."""
 
     estimate: float
     error: float
@@ -154,6 +155,14 @@ def judged(scene: fm.Scene, accuracy: float) -> Judged:
     return Judged(history.accuracy.estimated, max(errors.values()), max(doubts.values()), modes, worst)
 
 
+def other_modes(target: Any, highest: float, statics: Statics = FINE) -> OtherModes:
+    """Vibrations by other methods up to `highest` [rad/s], or up to what can be computed in about two seconds."""
+    if isinstance(target, fm.Rod):
+        return of_rod(target, highest)
+    slender = isinstance(target, fm.Beam) and not target.wide
+    return of_beam(target, highest) if slender else of_plate(target, highest, statics)
+
+
 def _structure(target: Any, modes: OtherModes, problem: Problem) -> structures.Structure:
     """These vibrations as the core takes them."""
     ratio = np.full(modes.frequency.size, getattr(target, "damping_ratio", None) or 0.0)
@@ -194,8 +203,8 @@ def _tell(found: list[Judged], refused: int, accuracy: float, spent: float) -> N
     reached = sum(one.estimate <= accuracy for one in found)
     print(
         f"{len(found) + refused} impacts: {refused} refused, {reached} reach the accuracy, {len(clear)} judged, "
-        f"{bound} bounded, {len(found) - len(clear)} without a clear reference; error over estimate: median {middle:.2f}, 99 % "
-        f"{most:.2f}; {spent:.0f} s",
+        f"{bound} bounded, {len(found) - len(clear)} without a clear reference; error over estimate: "
+        f"median {middle:.2f}, 99 % {most:.2f}; {spent:.0f} s",
         flush=True,
     )
 

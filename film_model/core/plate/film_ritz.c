@@ -10,7 +10,7 @@
 #define PI 3.14159265358979323846
 #define JOINED 4         /* polynomials that join the shapes */
 #define RIGID 1e-9       /* integral of f''^2 below which it is the rounding of a motion as a rigid body */
-#define SMALLEST 1e-12   /* root of the integral of f^2 over that with f''^2: of degree 1000 it is 1e-11 */
+#define SMALLEST 1e-12   /* root of the integral of f^2 over that with f''^2: 1.4e-11 at degree 1000 */
 #define NEGLECTED 1e-9   /* rows shorter than this need not be orthogonal to each other: they are no shapes */
 #define ORTHOGONAL 1e-15 /* cosine of two rows */
 #define SWEEPS 40        /* at most; 130 rows take 10 */

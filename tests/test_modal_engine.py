@@ -286,12 +286,10 @@ def judged_structures(seed, numbers, accuracy, monkeypatch):
     return [study["judged"](scenes[number], accuracy) for number in numbers]
 
 
-@pytest.mark.parametrize("accuracy", [1e-3, 1e-4])
-def test_the_estimate_bounds_the_error_against_other_modes(accuracy, monkeypatch):
-    """Rods, beams of three theories, simply supported plates with shear and without, a strip with a free edge."""
-    found = judged_structures(1, (6, 7, 9, 14, 17, 21, 26, 50, 54), accuracy, monkeypatch)
-    assert sum(one.clear for one in found) >= 8
-    assert all(one.error <= one.estimate for one in found if one.clear)
+def test_the_estimate_bounds_the_error_against_other_modes(monkeypatch):
+    """Rods, beams of three theories, simply supported plates with shear and without."""
+    found = judged_structures(1, (6, 7, 9, 14, 17, 26, 33, 54), 1e-4, monkeypatch)
+    assert all(one.clear and one.error <= one.estimate for one in found)
 
 
 @pytest.mark.slow

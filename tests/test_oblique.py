@@ -297,7 +297,7 @@ def test_springs_of_an_impact_and_bad_numbers():
     force, radius = rng.uniform(0.0, 1.0, 49), np.sqrt(rng.uniform(0.0, 1.0, 49))
     radius[4] = 1.0  # springs up to the same radius in all runs
     table = np.array([[0.0, 0.3]])
-    one, motion = core_springs.impact(40, [1.0, 2.0, 2.0, 1.5], table, 0.05, force, radius, rows=True)
+    one, motion = core_springs.impact(40, [1.0, 2.0, 2.0, 1.5], table, 0.05, force, radius)
     velocity, friction, stuck = motion.T
     assert (stuck <= radius).all() and stuck.min() == 0.0
     assert (np.abs(friction[1:]) <= 0.3 * force[1:] * (1.0 + 1e-12)).all() and velocity[0] == 1.5
@@ -307,7 +307,7 @@ def test_springs_of_an_impact_and_bad_numbers():
     assert (one.velocity, one.force, one.step) == (velocity[-1], np.abs(friction).max(), np.abs(friction).argmax())
     assert one.slack == pytest.approx(1.0 - np.abs(friction).sum() / (0.3 * force[1:].sum()), rel=1e-12)
     half, quarter = (
-        core_springs.impact(40 // n, [1.0, 2.0, 2.0, 1.5], table, 0.05 * n, force[::n], radius[::n], rows=True)[1][:, 0]
+        core_springs.impact(40 // n, [1.0, 2.0, 2.0, 1.5], table, 0.05 * n, force[::n], radius[::n])[1][:, 0]
         for n in (2, 4)
     )
     last, first = np.abs(velocity[::2] - half).max(), np.abs(half[::2] - quarter).max()

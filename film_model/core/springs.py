@@ -40,8 +40,7 @@ class Springs(c.Structure):
 class Impact(c.Structure):
     """velocity: at the end. force, step: largest friction force, and after how many steps. error: of the velocity at
     any time, from half and a quarter of the springs and steps. slack: what the friction force lacks to its limit, a
-    share of the impulses. regime: place in `film_model.oblique.result.REGIMES`. watch: of the phases; of the first one
-    only without a motion."""
+    share of the impulses. regime: place in `film_model.oblique.result.REGIMES`. watch: of the phases."""
 
 
 @SPRINGS.structure("film_springs_brief")
@@ -66,18 +65,18 @@ def energy(state: Springs) -> float:
 
 
 def impact(
-    count: int, numbers: Sequence[float], friction: Array, step: float, force: Array, radius: Array, rows: bool = False
+    count: int, numbers: Sequence[float], friction: Array, step: float, force: Array, radius: Array
 ) -> tuple[Impact | None, Array]:
     """An impact in a multiple of 4 steps of a time, and over it the sliding velocity, the friction force and the
-    radius inside which all sticks, (times, 3), empty without `rows`; no impact for numbers out of range.
+    radius inside which all sticks, (times, 3); no impact for numbers out of range.
 
     numbers: modulus, power, mass and velocity. friction: pairs of speed and coefficient, (pairs, 2). force, radius:
     before the first step and after each.
     """
     friction, force, radius = (np.ascontiguousarray(values, np.float64) for values in (friction, force, radius))
-    found, motion = Impact(), np.empty((force.size if rows else 0, 3))
+    found, motion = Impact(), np.empty((force.size, 3))
     table = friction.ctypes.data, len(friction)
-    at = force.ctypes.data, radius.ctypes.data, c.byref(found), motion.ctypes.data if rows else None
+    at = force.ctypes.data, radius.ctypes.data, c.byref(found), motion.ctypes.data
     status = _library().film_springs_impact(count, *numbers, *table, step, force.size - 1, *at)
     return found if status == native.OK else None, motion
 
@@ -92,7 +91,8 @@ def many(count: int, numbers: Array, friction: Array, force: Array, radius: Arra
     found: NDArray[Any] = np.empty(len(force), MANY_DTYPE)
     table = friction.ctypes.data, friction.shape[-2], friction.ndim == 2
     at = force.ctypes.data, radius.ctypes.data, found.ctypes.data
-    _library().film_springs_many(len(force), count, numbers.ctypes.data, *table, force.shape[1] - 1, *at)
+    sizes = native.instructions(), len(force), count
+    _library().film_springs_many(*sizes, numbers.ctypes.data, *table, force.shape[1] - 1, *at)
     return found
 
 

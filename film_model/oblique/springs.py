@@ -50,7 +50,7 @@ def tangential(given: Sliding, power: float, times: Array, force: Array, radius:
     force: F ≥ 0, N. radius: of the contact, m; both 0 without contact. Raises SimulationError for numbers out of
     range."""
     numbers = float(given.modulus), power, float(given.mass), float(given.velocity)
-    found, motion = core.impact(SPRINGS, numbers, given.pairs, float(times[1]), force, radius, rows=True)
+    found, motion = core.impact(SPRINGS, numbers, given.pairs, float(times[1]), force, radius)
     if found is None:
         raise SimulationError("friction: a number is out of the range of the springs")
     velocity, friction, stuck = motion.T

@@ -20,6 +20,10 @@
 
 #define EACH(l) for (int l = 0; l < LANES; l++)
 
+/* Lanes of a group, of which polynomials or springs fit into the nearest cache. Affects cost only. */
+enum { GROUP = LANES < 8 ? LANES : 8 };
+#define EACH_OF(l) for (int l = 0; l < GROUP; l++)
+
 /* Whether a flag is set. Flags are doubles, 1 or 0, so that SSE2 instructions can select by them. */
 static int any(const double *flag) {
     uint64_t bits[LANES], all = 0;

@@ -5,9 +5,8 @@
 
 #include "lanes/film_lane_law.h"
 
-/* Terms of the polynomials; the macros below are for this many. Lanes of a group, whose polynomials fit into the nearest
- * cache. Affects cost only. */
-enum { WAY_TERMS = 12, GROUP = LANES < 8 ? LANES : 8 };
+/* Terms of the polynomials; the macros below are for this many. Affects cost only. */
+enum { WAY_TERMS = 12 };
 
 /* Length of a step over the radius within which the terms fall: WAY_RADIUS over the segments of a leg, but at least
  * SHORTEST_SHARE, which leaves rounding only. The error of a way is about the 12th power of it. Accuracy and cost:
@@ -17,8 +16,6 @@ static const double WAY_RADIUS = 1.3, SHORTEST_SHARE = 0.1;
 enum { WAY_STEPS = 60 }; /* to the turn; about 12 of them are needed with SHORTEST_SHARE, longer ways are left to film_marched */
 enum { TURN_STEPS = 3 }; /* of Halley's method for the time of the turn */
 static const double TURN_SETTLED = 1e-4; /* the last of them, as a fraction of the time: an error of its cube is left */
-
-#define EACH_OF(l) for (int l = 0; l < GROUP; l++)
 
 /* DO(1) ... DO(last), last < 12. If `last` is a constant, the compiler removes the choice and keeps the terms in registers. */
 #define UP_TO(last, DO)                                                                                                  \

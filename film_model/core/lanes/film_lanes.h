@@ -4,6 +4,7 @@
 
 #include "lanes/film_wide.h"
 #include "march/film_march.h"
+#include "oblique/film_springs.h"
 #include "tables/film_job.h"
 
 /* For film_batch_shaped and film_batch_in_series: an impact that lanes cannot run. */
@@ -108,6 +109,9 @@ typedef struct {
     /* the five values of film_evaluate at times on a contact's lines: value k of time i to values[k stride + i] */
     void (*sample)(const film_curve *curve, const film_line *lines, int32_t line_count, const double *times, int64_t count,
                    double *values, int64_t stride);
+    /* film_springs_many */
+    void (*slide)(int64_t count, int32_t springs, const double *numbers, const double *friction, int32_t rows, int shared, int64_t steps,
+                  const double *force, const double *radius, film_springs_brief *results);
 } block_routines;
 
 extern const block_routines film_plain;

@@ -44,3 +44,8 @@ void film_motions_many(const film_motions *m, const film_curve *curve, const fil
         for (int64_t k = 0; k < m->samples && status < 0; k++) force[k] = NAN;
     }
 }
+
+void film_springs_many(int instructions, int64_t count, int32_t springs, const double *numbers, const double *friction, int32_t rows,
+                       int shared, int64_t steps, const double *force, const double *radius, film_springs_brief *results) {
+    film_routines(instructions)->slide(count, springs, numbers, friction, rows, shared, steps, force, radius, results);
+}

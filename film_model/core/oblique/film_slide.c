@@ -27,7 +27,7 @@ static void advance(film_sliding *sliding, grip now, double h, const double *fri
     film_springs_take(s, h, friction, rows);
     double before = s->v, radius = s->radius;
     film_springs_step(s, h, now.force, now.slope);
-    film_springs_watch(&sliding->watch, s, radius, h);
+    film_springs_watch(&sliding->watch, s->cut, film_springs_touching(s), radius, s->radius, h);
     double impulse = s->mass * (before - s->v + s->push * h);
     sliding->impulse += impulse;
     sliding->work += 0.5 * (before + s->v) * impulse;
@@ -57,7 +57,6 @@ static int follow(const film_curve *curve, const film_mesh *mesh, film_state *st
 int film_slide_init(film_sliding *sliding, const film_curve *curve, double friction, double mass, double velocity) {
     memset(sliding, 0, sizeof *sliding);
     int status = film_springs_init(&sliding->springs, FILM_MOST_SPRINGS, 0.125, 1.0, film_springs_power(curve), friction, mass, velocity);
-    sliding->springs.watched = 1;
     sliding->watch.phase = -1;
     return status;
 }

@@ -21,12 +21,12 @@ static const double SLIDES = 1e-6; /* share of the impulse of friction that may 
 
 static int positive(double x) { return isfinite(x) && x > 0.0; }
 
-/* radius^power, in widths. */
-static double reached(const film_springs *state, double radius) {
-    double a = radius / state->width;
-    if (state->power == 2.0) return a * a; /* a sphere, most often */
-    return state->power == 0.0 ? (a > 0.0 ? 1.0 : 0.0) : pow(a, state->power);
+double film_springs_reached(double power, double widths) {
+    if (power == 2.0) return widths * widths; /* a sphere, most often */
+    return power == 0.0 ? (widths > 0.0 ? 1.0 : 0.0) : pow(widths, power);
 }
+
+static double reached(const film_springs *state, double radius) { return film_springs_reached(state->power, radius / state->width); }
 
 double film_springs_power(const film_curve *curve) {
     const film_function *force = &curve->piece[0].force;
@@ -92,7 +92,7 @@ void film_springs_step(film_springs *state, double time, double force, double ra
     double grown = fmax(top - reached(state, state->radius), 0.0);
     for (int32_t j = met; j < touch; j++) state->u[j] -= moved * fmax(1.0 - (top - state->reach[j]) / grown, 0.0);
     state->cut = 0, state->stuck = touch;
-    for (int32_t j = touch - 1; state->watched && j >= 0; j--) {
+    for (int32_t j = touch - 1; j >= 0; j--) {
         double most = (top - state->reach[j]) * per_share, u = state->u[j] + moved;
         int side = (u > most) - (u < -most);
         state->cut += side;
@@ -123,20 +123,19 @@ static void begin_phase(film_watch *watch, int phase, double ago) {
 
 /* No spring slips: all stick, unless the contact shrinks, in which slip only changes its sign; a slip that spreads slowly has steps in
  * which no spring is met. The first phase of a contact begins with it, a later one in the middle of a step. */
-void film_springs_watch(film_watch *watch, const film_springs *s, double radius, double h) {
-    int cut = abs(s->cut), sign = s->cut > 0 ? 1 : -1, before = watch->cut;
-    int32_t touch = film_springs_touching(s);
+void film_springs_watch(film_watch *watch, int32_t slipped, int32_t touch, double before, double radius, double h) {
+    int cut = abs(slipped), sign = slipped > 0 ? 1 : -1, last = watch->cut;
     watch->passed += h;
     watch->cut = cut;
-    watch->waited = watch->phase < 0 && s->radius > 0.0 ? watch->waited + h : 0.0;
+    watch->waited = watch->phase < 0 && radius > 0.0 ? watch->waited + h : 0.0;
     double ago = fmax(watch->waited, 0.5 * h);
     if (touch == 0) {
         begin_phase(watch, -1, 0.0);
-    } else if (watch->phase < 0 && touch < FEWEST && s->radius > radius) {
+    } else if (watch->phase < 0 && touch < FEWEST && radius > before) {
         return;
     } else if (cut == 0) {
-        if (s->radius >= radius) begin_phase(watch, FILM_STICKS, ago);
-        else if (before > MET) watch->sign = -watch->sign, begin_phase(watch, FILM_REVERSES, ago);
+        if (radius >= before) begin_phase(watch, FILM_STICKS, ago);
+        else if (last > MET) watch->sign = -watch->sign, begin_phase(watch, FILM_REVERSES, ago);
     } else {
         int whole = cut >= touch, turns = sign != watch->sign && watch->phase >= FILM_SLIPS;
         int partly = watch->phase == FILM_SLIDES && !whole && !turns;
@@ -185,53 +184,48 @@ static void judge(film_springs_impact_result *result) {
     watch->events = kept;
 }
 
-int film_springs_impact(int32_t count, double modulus, double power, double mass, double velocity, const double *friction, int32_t rows,
-                        double time, int64_t steps, const double *force, const double *radius, film_springs_impact_result *result,
-                        double *motion) {
-    film_springs fine, coarse, coarser;
-    double largest = 0.0, limits = 0.0, used = 0.0, last = 0.0, before = 0.0;
+int film_springs_begin(film_springs *runs, int32_t count, double modulus, double power, double mass, double velocity, double friction,
+                       int64_t steps, const double *radius) {
+    double largest = 0.0;
+    int status = FILM_OK;
     if (power == 0.0) count = 4; /* all springs are alike */
-    for (int64_t i = 0; i <= steps; i++) largest = fmax(largest, radius[i]);
-    *result = (film_springs_impact_result){.velocity = velocity, .watch = {.phase = -1}};
-    film_springs *all[3] = {&fine, &coarse, &coarser};
-    for (int32_t k = 0, n = count; k < 3; k++, n /= 2) {
-        double to = power > 0.0 ? largest * (n / (n + EDGE)) : largest;
-        if (film_springs_init(all[k], n, modulus, to, power, friction[1], mass, velocity) != FILM_OK) return FILM_BAD_NUMBER;
-        all[k]->even = 1;
+    for (int64_t i = 0; i <= steps; i++) largest = radius[i] > largest ? radius[i] : largest;
+    for (int32_t k = 0; k < FILM_SPRINGS_RUNS && status == FILM_OK; k++, count /= 2) {
+        double to = power > 0.0 ? largest * (count / (count + EDGE)) : largest;
+        status = film_springs_init(&runs[k], count, modulus, to, power, friction, mass, velocity);
+        runs[k].even = 1;
     }
-    if (motion) motion[0] = velocity, motion[1] = motion[2] = 0.0;
-    for (int64_t i = 1; i <= steps; i++) {
-        film_springs_take(&fine, time, friction, rows);
-        fine.watched = motion != NULL || result->watch.events == 0;
-        film_springs_step(&fine, time, force[i], radius[i]);
-        if (fine.watched) film_springs_watch(&result->watch, &fine, radius[i - 1], time);
-        if (fabs(fine.q) > result->force) result->force = fabs(fine.q), result->step = i;
-        limits += fine.friction * force[i], used += fabs(fine.q);
-        if (motion) motion[3 * i] = fine.v, motion[3 * i + 1] = fine.q, motion[3 * i + 2] = fmin(fine.stuck * fine.width, fine.radius);
-        if (i % 2 != 0) continue;
-        film_springs_take(&coarse, 2.0 * time, friction, rows);
-        film_springs_step(&coarse, 2.0 * time, force[i], radius[i]);
-        last = fmax(last, fabs(fine.v - coarse.v));
-        if (i % 4 != 0) continue;
-        film_springs_take(&coarser, 4.0 * time, friction, rows);
-        film_springs_step(&coarser, 4.0 * time, force[i], radius[i]);
-        before = fmax(before, fabs(coarse.v - coarser.v));
-    }
-    result->velocity = fine.v;
+    return status;
+}
+
+int film_springs_end(film_springs_impact_result *result, double last, double before, double limits, double used) {
     result->error = left_over(last, before);
     result->slack = limits > 0.0 ? 1.0 - used / limits : 0.0;
     judge(result);
-    return isfinite(fine.v + result->error) ? FILM_OK : FILM_BAD_NUMBER;
+    return isfinite(result->velocity + result->error) ? FILM_OK : FILM_BAD_NUMBER;
 }
 
-void film_springs_many(int64_t count, int32_t springs, const double *numbers, const double *friction, int32_t rows, int shared,
-                       int64_t steps, const double *force, const double *radius, film_springs_brief *results) {
-    for (int64_t i = 0; i < count; i++, force += steps + 1, radius += steps + 1) {
-        const double *n = numbers + 5 * i, *own = friction + (shared ? 0 : 2 * rows * i);
-        film_springs_impact_result found;
-        int status = film_springs_impact(springs, n[0], n[1], n[2], n[3], own, rows, n[4], steps, force, radius, &found, NULL);
-        results[i] = (film_springs_brief){found.velocity, found.force, found.error, found.step, found.regime, status};
+int film_springs_impact(int32_t count, double modulus, double power, double mass, double velocity, const double *friction, int32_t rows,
+                        double time, int64_t steps, const double *force, const double *radius, film_springs_impact_result *result,
+                        double *motion) {
+    film_springs runs[FILM_SPRINGS_RUNS], *fine = &runs[0];
+    double limits = 0.0, used = 0.0, apart[FILM_SPRINGS_RUNS] = {0.0};
+    *result = (film_springs_impact_result){.velocity = velocity, .watch = {.phase = -1}};
+    if (film_springs_begin(runs, count, modulus, power, mass, velocity, friction[1], steps, radius) != FILM_OK) return FILM_BAD_NUMBER;
+    motion[0] = velocity, motion[1] = motion[2] = 0.0;
+    for (int64_t i = 1; i <= steps; i++) {
+        for (int k = 0; k < FILM_SPRINGS_RUNS && i % (1 << k) == 0; k++) {
+            film_springs_take(&runs[k], (1 << k) * time, friction, rows);
+            film_springs_step(&runs[k], (1 << k) * time, force[i], radius[i]);
+            if (k > 0) apart[k] = fmax(apart[k], fabs(runs[k - 1].v - runs[k].v));
+        }
+        film_springs_watch(&result->watch, fine->cut, film_springs_touching(fine), radius[i - 1], radius[i], time);
+        if (fabs(fine->q) > result->force) result->force = fabs(fine->q), result->step = i;
+        limits += fine->friction * force[i], used += fabs(fine->q);
+        motion[3 * i] = fine->v, motion[3 * i + 1] = fine->q, motion[3 * i + 2] = fmin(fine->stuck * fine->width, fine->radius);
     }
+    result->velocity = fine->v;
+    return film_springs_end(result, apart[1], apart[2], limits, used);
 }
 
 void film_springs_sizes(int64_t sizes[2]) {

@@ -16,13 +16,13 @@ enum {
 };
 
 /* stiffness: of one spring. width: distance of the springs. power: as above, or 0: all are reached at once. mass: m_t. v: sliding velocity, also where nothing touches.
- * q: friction force. rise: of q over time in the last step. push: acceleration by what else acts. radius: of the contact, now. u: deflections. If watched is 1, cut: how
+ * q: friction force. rise: of q over time in the last step. push: acceleration by what else acts. radius: of the contact, now. u: deflections. cut: how
  * many springs slipped in the last step, negative if against their direction at first; stuck: how many stuck inside all of those. */
 typedef struct {
     double stiffness, width, power, friction, mass, v, q, rise, push, radius;
     double u[FILM_MOST_SPRINGS], reach[FILM_MOST_SPRINGS]; /* reach: (r/width)^power; 0 for a power of 0 */
     double sums[FILM_MOST_SPRINGS + 1];                    /* of the first values of reach */
-    int32_t count, stuck, watched, cut, even, reserved; /* even: 1 if all steps are of one time */
+    int32_t count, stuck, cut, even; /* even: 1 if all steps are of one time */
 } film_springs;
 
 /* The phases of springs that are watched. passed: time since it began. phase: of FILM_STICKS .. FILM_SLIDES in film_friction.h, or
@@ -47,8 +47,9 @@ FILM_API double film_springs_power(const film_curve *curve);
  * order, with the rise of that force in the step before too. */
 FILM_API void film_springs_step(film_springs *state, double time, double force, double radius);
 
-/* The phase after a step of a time in which the radius was `before` at its beginning. */
-FILM_API void film_springs_watch(film_watch *watch, const film_springs *state, double before, double time);
+/* The phase after a step of a time, from the radius `before`, in which of the springs that touch at its end so many slipped as in
+ * film_springs.cut. */
+FILM_API void film_springs_watch(film_watch *watch, int32_t cut, int32_t touch, double before, double radius, double time);
 
 /* A coefficient of friction over the sliding speed: `rows` pairs (speed, coefficient) of increasing speed, with lines between and
  * constant beyond; one pair for a constant one. */
@@ -59,8 +60,7 @@ FILM_API void film_springs_take(film_springs *state, double time, const double *
 
 /* One impact: velocity at the end; force, step: largest |q|, and after how many steps; error: of the velocity, at any
  * time, as the largest differences to half and from there to a quarter of the springs and steps tell; slack: what the friction force lacks to its limit, a share of the
- * impulses. regime: of film_friction.h, by the first phase and the slack. watch: of the phases; without room for the motion it ends
- * with the first one. */
+ * impulses. regime: of film_friction.h, by the first phase and the slack. watch: of the phases. */
 typedef struct {
     double velocity, force, error, slack;
     int64_t step;
@@ -70,10 +70,20 @@ typedef struct {
 
 /* An impact from first touch on in steps of a time; force, radius: before the first step and after each. friction, rows: as above.
  * steps: multiple of 4. count: of springs, multiple of 4. motion: room for three values at each time of `force`, sliding velocity, friction force and
- * the radius inside which all sticks; or null. FILM_OK or FILM_BAD_NUMBER as film_springs_init. */
+ * the radius inside which all sticks. FILM_OK or FILM_BAD_NUMBER as film_springs_init. */
 FILM_API int film_springs_impact(int32_t count, double modulus, double power, double mass, double velocity, const double *friction, int32_t rows,
                                  double time, int64_t steps, const double *force, const double *radius,
                                  film_springs_impact_result *result, double *motion);
+
+/* Its parts, which impacts in lanes share. begin: springs of the finest run and of two with half and a quarter of springs and steps.
+ * end: what follows from the largest differences of the velocities of two runs, and from the sums of the limits and of |q|. */
+enum { FILM_SPRINGS_RUNS = 3 };
+int film_springs_begin(film_springs *runs, int32_t count, double modulus, double power, double mass, double velocity, double friction,
+                       int64_t steps, const double *radius);
+int film_springs_end(film_springs_impact_result *result, double last, double before, double limits, double used);
+
+/* The depth at which the contact has a radius of so many widths, in widths^power. */
+double film_springs_reached(double power, double widths);
 
 /* Of one impact of many. status: as film_springs_impact returns it; the others as above. */
 typedef struct {
@@ -82,10 +92,11 @@ typedef struct {
     int32_t regime, status;
 } film_springs_brief;
 
-/* count impacts in as many steps. numbers: of each modulus, power, mass, velocity and the time of a step. friction: `rows` pairs of all
+/* count impacts in as many steps, side by side, without their motions. numbers: of each modulus, power, mass, velocity and the time of a step. friction: `rows` pairs of all
  * if shared is 1, else of each. force, radius: steps + 1 of each. */
-FILM_API void film_springs_many(int64_t count, int32_t springs, const double *numbers, const double *friction, int32_t rows,
-                                int shared, int64_t steps, const double *force, const double *radius, film_springs_brief *results);
+FILM_API void film_springs_many(int instructions, int64_t count, int32_t springs, const double *numbers, const double *friction,
+                                int32_t rows, int shared, int64_t steps, const double *force, const double *radius,
+                                film_springs_brief *results);
 
 /* How many springs touch. */
 FILM_API int32_t film_springs_touching(const film_springs *state);

@@ -160,7 +160,7 @@ def _by_springs(
     regime = REGIMES[first.regime]
     ends = [run.after for run in runs]
     if regime == THROUGHOUT:
-        ends = [slid(given, float(normal_impulse(scene, problem, rebound, duration)))]
+        ends = [float(slid(given, normal_impulse(scene, problem, rebound, duration)))]
     events = tuple((time, KINDS[kind]) for time, kind in first.phases)
     error = first.estimated / abs(given.velocity) + springs.error_of_force(estimated)
     most = int(np.argmax(np.abs(first.force)))
@@ -171,13 +171,15 @@ def _by_springs(
     return replace(found, low=min(ends), high=max(ends))
 
 
-def slid(given: Sliding, impulse: float) -> float:
+def slid(given: Sliding, impulse: Number) -> Number:
     """The sliding velocity after an impact that slides throughout, m/s: v' = −µ over the impulse over m_t. impulse: of
     the normal force, N·s."""
-    velocity, impulse = float(given.velocity), impulse / float(given.mass)
-    if given.table is not None:
-        return given.table.slid(velocity, impulse)
-    return velocity - math.copysign(float(given.friction) * impulse, velocity)
+    impulse, table = impulse / given.mass, given.table
+    if table is None:
+        return given.velocity - np.copysign(given.friction * impulse, given.velocity)
+    if not isinstance(impulse, np.ndarray):
+        return table.slid(float(given.velocity), impulse)
+    return np.array([table.slid(*one) for one in zip(given.velocity.tolist(), impulse.tolist(), strict=True)])
 
 
 def normal_impulse(scene: Scene, problem: Problem, rebound: Number, duration: Number) -> Number:

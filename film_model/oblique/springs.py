@@ -19,8 +19,8 @@ STEPS = 2048
 SAFETY = 2.5
 """Of the error that half and a quarter of the springs and steps tell (tests/test_friction_estimate.py)."""
 
-LEVELS = ((64, 256), (128, 512), (SPRINGS, STEPS))
-"""Springs and steps in batches, as many as the accuracy needs."""
+LEVELS = ((32, 128), (64, 256), (128, 512), (SPRINGS, STEPS))
+"""Springs and steps in batches, as many as the accuracy needs; the first for accuracies from `MODELLED` on."""
 
 MODELLED = 1e-3
 """Accuracy beyond which springs of a contact that yields are not refined in batches: its stiffness is less known."""

@@ -75,13 +75,11 @@ def oblique_of_many(problems: Iterable[Problem], normal: Normal, solver: Solver)
 
 def _by_springs(found: ManyOblique, problem: Problem, normal: Normal, solver: Solver) -> Index:
     """Put in the results by springs; the rows of impacts that are done with."""
-    rows, done = rows_of(problem), list[Index]()
-    for places, summary, regime, estimated in by_springs(problem, normal, solver):
-        slides = estimated == estimated
-        values = {name: value[slides] for name, value in summary.items()}
-        found.known(rows[places[slides]], values, regime[slides], estimated[slides])
-        done.append(rows[places])
-    return np.concatenate([np.empty(0, np.intp), *done])
+    rows = rows_of(problem)
+    known, summary, regime, estimated = by_springs(problem, normal, solver)
+    slides = known & (estimated == estimated)
+    found.known(rows[slides], {name: value[slides] for name, value in summary.items()}, regime[slides], estimated[slides])
+    return rows[known]
 
 
 def _exactly(

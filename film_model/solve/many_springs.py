@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
@@ -22,6 +21,10 @@ from film_model.scene import DEFAULT_ACCURACY, Solver
 from film_model.scene.rolling import sliding_of
 from film_model.solve.accuracy import mesh_of
 from film_model.solve.many_meshes import recorded_segments
+
+
+SAMPLES = 15_000
+"""Of normal motions at a time, which a processor's cache holds."""
 
 
 class Normal(NamedTuple):
@@ -46,27 +49,23 @@ def coarseness(solver: Solver) -> int:
     return max(level for level in (EXACT, COARSE, QUICK) if accuracy >= 10.0 * ERRORS[level])
 
 
-def by_springs(problem: Problem, normal: Normal, solver: Solver) -> Iterator[tuple[Index, dict[str, Array], Any, Any]]:
-    """Places of impacts, their results along the surface, regimes, and estimates (nan if nothing slides).
+def by_springs(
+    problem: Problem, normal: Normal, solver: Solver
+) -> tuple[NDArray[np.bool_], dict[str, Array], NDArray[np.int8], Array]:
+    """Which impacts have a record, their results along the surface, regimes, and estimates (nan if nothing slides).
 
     Springs are doubled until the estimate meets the accuracy, or `springs.MODELLED` if the law yields; where the exact
     solution is not coarse there are as many as possible from the start, for results that are smooth over the impacts.
-    Impacts without a record are left out.
     """
-    at_once = 64  # impacts whose motion a processor's cache holds
     accuracy = solver.accuracy or DEFAULT_ACCURACY
-    levels = springs.LEVELS if coarseness(solver) else springs.LEVELS[-1:]
     tolerance = accuracy if problem.curve.reversible else max(accuracy, springs.MODELLED)
+    levels = springs.LEVELS[int(tolerance < springs.MODELLED) :] if coarseness(solver) else springs.LEVELS[-1:]
     # twice the segments with which the ends meet the accuracy: the force between is up to 1e-3 less exact if damped
     # (tests/test_friction_estimate.py)
     segments = np.minimum(2 * recorded_segments(problem, solver, normal.segments), MOST_SEGMENTS)
-    for begin in range(0, normal.status.size, at_once):
-        places = np.arange(begin, min(begin + at_once, normal.status.size))
-        part, motion = problem.part(places), normal.of(places)
-        found = _followed(_Motions(part, segments[places], motion.duration, solver), motion.rebound, tolerance, levels)
-        known, summary, regime, error = found
-        estimated = error[known] + springs.error_of_force(motion.estimated[known])
-        yield places[known], {name: value[known] for name, value in summary.items()}, regime[known], estimated
+    motions = _Motions(problem, segments, normal.duration, solver)
+    known, summary, regime, error = _followed(motions, normal.rebound, tolerance, levels)
+    return known, summary, regime, error + springs.error_of_force(normal.estimated)
 
 
 @dataclass(frozen=True)
@@ -87,7 +86,8 @@ class _Motions:
         force, depth, slope, power = *np.full((3, *size), np.nan), np.empty(places.size)
         for counts in sorted(set(map(tuple, own.tolist()))):
             of = np.flatnonzero((own == counts).all(axis=1))
-            part, mesh = problem.part(of), mesh_of(self.solver, counts)
+            part = problem if of.size == places.size else problem.part(of)
+            mesh = mesh_of(self.solver, counts)
             seen = part.motions(mesh, times[of] / scales.time[of])
             force[of], depth[of], power[of] = seen.force, seen.depth, seen.power
             if seen.slope is not None:
@@ -96,7 +96,9 @@ class _Motions:
         if reversible:
             modulus = column(problem.scene.effective_modulus, places.size)[:, None]
             return times, force, slope * (scales.force / scales.length) / (2.0 * modulus), power
-        radius, _ = core.radii(force, depth, radius_beyond_yield(problem, depth.T, force.T).T, 1.0)
+        loading, law = int(depth.argmax(axis=1).max()) + 1, np.full(depth.shape, np.nan)
+        law[:, :loading] = radius_beyond_yield(problem, depth[:, :loading].T, force[:, :loading].T).T
+        radius, _ = core.radii(force, depth, law, 1.0)
         return times, force, radius, power
 
 
@@ -115,20 +117,22 @@ def _followed(
     regime = np.full(count, -1, np.int8)
     left = np.arange(count)
     for level, steps in levels:
-        t, force, radius, power = motions.at(left, steps)
-        numbers = np.stack([modulus[left], power, mass[left], velocity[left], t[:, 1]], axis=1)
-        run = core.many(level, numbers, pairs[left] if given.table is None else given.pairs, force, radius)
-        known = run["status"] == native.OK
-        rows, run, t = left[known], run[known], t[known]
-        after[rows], peak[rows], error[rows] = run["velocity"], run["force"], springs.SAFETY * run["error"]
-        when[rows], regime[rows] = t[np.arange(rows.size), run["step"]], run["regime"]
+        at_once = max(SAMPLES // steps, 1)
+        for some in np.split(left, range(at_once, left.size, at_once)):
+            t, force, radius, power = motions.at(some, steps)
+            numbers = np.stack([modulus[some], power, mass[some], velocity[some], t[:, 1]], axis=1)
+            run = core.many(level, numbers, pairs[some] if given.table is None else given.pairs, force, radius)
+            known = run["status"] == native.OK
+            rows, run, t = some[known], run[known], t[known]
+            after[rows], peak[rows], error[rows] = run["velocity"], run["force"], springs.SAFETY * run["error"]
+            when[rows], regime[rows] = t[np.arange(rows.size), run["step"]], run["regime"]
         left = left[error[left] > tolerance * abs(velocity[left])]
         if left.size == 0:
             break
+    rows = np.flatnonzero(regime == REGIMES.index(THROUGHOUT))
     impulse = column(normal_impulse(scene, problem, rebound, motions.durations), count)
-    for row in np.flatnonzero(regime == REGIMES.index(THROUGHOUT)).tolist():
-        own = given._replace(friction=friction[row], mass=mass[row], velocity=velocity[row])
-        after[row] = slid(own, float(impulse[row]))
+    sliding = given._replace(friction=friction[rows], mass=mass[rows], velocity=velocity[rows])
+    after[rows] = slid(sliding, impulse[rows])
     found = results(scene, given, rebound, after, (peak, when))
     summary = {name: column(value, count) for name, value in found.items()}
     with np.errstate(divide="ignore", invalid="ignore"):

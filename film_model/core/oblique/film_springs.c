@@ -6,7 +6,7 @@
 #include <string.h>
 
 enum {
-    FEWEST = 8,  /* springs that share the force within 1 % of what they stand for: a contact that grows has a phase with them */
+    FEWEST = 4,  /* springs that share the force within 2 % of what they stand for: a contact that grows has a phase with them */
     MET = 2,     /* most springs that a slip which spreads slowly meets in a step */
     PERSISTS = 5 /* steps in which not all slip, before that is a phase: where sliding ends, all stop within less */
 };

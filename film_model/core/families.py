@@ -125,6 +125,11 @@ def batch_in_series(
     return status, summary
 
 
+def by_series(curve: native.Curve, cut: native.Mesh) -> bool:
+    """Whether :func:`motions` of damped contacts on the curve, shared by all, are by series, not by lines."""
+    return bool(native.library().film_motions_by_series(c.byref(curve), c.byref(cut)))
+
+
 class Motions(NamedTuple):
     """Forces and depths of many contacts, over scales, (contacts, times); nan without a record. slope: of the force, of
     a reversible law. power: of the contact radius with which the depth of each grows."""
@@ -136,7 +141,7 @@ class Motions(NamedTuple):
 
 
 def motions(rows: Rows, cut: native.Mesh, start: NDArray[Any], times: NDArray[np.float64], reversible: bool) -> Motions:
-    """The motions of many contacts (START_DTYPE) at ascending times (contacts, times), by lines."""
+    """The motions of many contacts (START_DTYPE) at ascending times (contacts, times), by lines or `by_series`."""
     start, times = np.ascontiguousarray(start, native.START_DTYPE), np.ascontiguousarray(times, np.float64)
     (curve, differing), _held = rows.arguments()
     force, depth, slope = (np.empty(times.shape) for _ in range(3))

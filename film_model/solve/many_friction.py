@@ -78,7 +78,9 @@ def _by_springs(found: ManyOblique, problem: Problem, normal: Normal, solver: So
     rows = rows_of(problem)
     known, summary, regime, estimated = by_springs(problem, normal, solver)
     slides = known & (estimated == estimated)
-    found.known(rows[slides], {name: value[slides] for name, value in summary.items()}, regime[slides], estimated[slides])
+    found.known(
+        rows[slides], {name: value[slides] for name, value in summary.items()}, regime[slides], estimated[slides]
+    )
     return rows[known]
 
 

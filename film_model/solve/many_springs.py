@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from film_model.base.arrays import Array, Index, column
-from film_model.core import native
+from film_model.core import families, native
 from film_model.core import springs as core
 from film_model.core.friction import COARSE, ERRORS, EXACT, QUICK
 from film_model.core.solving import MOST_SEGMENTS
@@ -21,7 +21,6 @@ from film_model.scene import DEFAULT_ACCURACY, Solver
 from film_model.scene.rolling import sliding_of
 from film_model.solve.accuracy import mesh_of
 from film_model.solve.many_meshes import recorded_segments
-
 
 SAMPLES = 15_000
 """Of normal motions at a time, which a processor's cache holds."""
@@ -60,9 +59,13 @@ def by_springs(
     accuracy = solver.accuracy or DEFAULT_ACCURACY
     tolerance = accuracy if problem.curve.reversible else max(accuracy, springs.MODELLED)
     levels = springs.LEVELS[int(tolerance < springs.MODELLED) :] if coarseness(solver) else springs.LEVELS[-1:]
+    segments, mesh = normal.segments, mesh_of(solver, (1, 1))
+    alike = problem.own.alike and bool(np.all(problem.damping > 0.0))
+    if not (alike and families.by_series(problem.curve.native, mesh)):
+        segments = recorded_segments(problem, solver, segments)
     # twice the segments with which the ends meet the accuracy: the force between is up to 1e-3 less exact if damped
     # (tests/test_friction_estimate.py)
-    segments = np.minimum(2 * recorded_segments(problem, solver, normal.segments), MOST_SEGMENTS)
+    segments = np.minimum(2 * segments, MOST_SEGMENTS)
     motions = _Motions(problem, segments, normal.duration, solver)
     known, summary, regime, error = _followed(motions, normal.rebound, tolerance, levels)
     return known, summary, regime, error + springs.error_of_force(normal.estimated)

@@ -48,6 +48,21 @@ void film_own_stage(batch_job *j, own_stage *own);
 int32_t film_own_piece(const batch_job *j, int64_t i, double v, double stored);
 void film_own_factors(const batch_job *j, const int64_t *index, int count, double (*of)[LANES]);
 
+/* Impacts on a curve, of which lanes run those without a load. */
+static inline void give(batch_job *j, const film_curve *curve, const film_mesh *mesh, const film_start *start, film_summary *summary,
+                 int32_t *status) {
+    j->curve = curve;
+    j->mesh = mesh;
+    j->start = start;
+    j->summary = summary;
+    j->status = status;
+    j->family = NULL;
+    j->spring = NULL;
+    j->motions = NULL;
+    j->loaded = 0;
+    j->shaped = -1;
+}
+
 /* The piece of *stage in which a fixed target should turn impact i; -1: none. */
 int32_t film_piece_on_fixed(const batch_job *j, int64_t i, int32_t *stage);
 

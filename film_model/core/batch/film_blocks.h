@@ -17,20 +17,6 @@ typedef struct {
     block damped;
 } batch;
 
-/* Impacts on a curve, of which lanes run those without a load. */
-static void give(batch_job *j, const film_curve *curve, const film_mesh *mesh, const film_start *start, film_summary *summary,
-                 int32_t *status) {
-    j->curve = curve;
-    j->mesh = mesh;
-    j->start = start;
-    j->summary = summary;
-    j->status = status;
-    j->family = NULL;
-    j->spring = NULL;
-    j->loaded = 0;
-    j->shaped = -1;
-}
-
 static void run_unloading(batch *b, int32_t stage, int32_t grading) {
     unloading_queue *q = &b->unloading[stage][grading];
     if (q->count > 0) b->run->unload(&b->j, FILM_PLATE_OUT + grading, b->j.exponent[stage], q);

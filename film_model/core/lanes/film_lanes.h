@@ -7,12 +7,13 @@
 #include "oblique/film_springs.h"
 #include "tables/film_job.h"
 
-/* For film_batch_shaped and film_batch_in_series: an impact that lanes cannot run. */
+/* For film_batch_shaped, film_batch_in_series and film_motions_many: an impact that lanes cannot run. */
 enum { LEFT_ALONE = 100 };
 
 /* Leaves an impact to film_marched: at once, or later, when its curve (of its shape, or in series with its spring) is made. */
 static inline void leave_alone(const batch_job *j, int64_t i) {
-    j->status[i] = j->family != NULL || j->spring != NULL ? LEFT_ALONE : film_marched(j->curve, j->mesh, &j->start[i], &j->summary[i]);
+    int later = j->family != NULL || j->spring != NULL || j->motions != NULL;
+    j->status[i] = later ? LEFT_ALONE : film_marched(j->curve, j->mesh, &j->start[i], &j->summary[i]);
 }
 
 /* Whether lanes can run a damped impact. */

@@ -21,6 +21,30 @@ static int one_motion(const film_motions *m, const film_curve *curve, const film
     return status;
 }
 
+int film_motions_by_series(const film_curve *curve, const film_mesh *mesh) {
+    batch_job j;
+    j.curve = curve, j.mesh = mesh;
+    film_prepare_damped(&j);
+    return j.damped.root > 0;
+}
+
+/* Up to LANES contacts from `first` on by the series of damped ones; their statuses. */
+static void by_series(int instructions, const film_curve *curve, const film_mesh *mesh, int count, const film_start *start,
+                      const motions_wanted *to, int32_t *status) {
+    film_summary summary[LANES];
+    batch_job j;
+    int64_t index[LANES];
+    int in_lanes = 0;
+    give(&j, curve, mesh, start, summary, status);
+    j.motions = to;
+    film_prepare_damped(&j);
+    for (int i = 0; i < count; i++) {
+        status[i] = LEFT_ALONE;
+        if (in_damped_lanes(&j, &start[i]) && isfinite(to->times[(i + 1) * to->samples - 1])) index[in_lanes++] = i;
+    }
+    if (in_lanes > 0) film_routines(instructions)->damped(&j, index, in_lanes);
+}
+
 void film_motions_many(const film_motions *m, const film_curve *curve, const film_mesh *mesh, int64_t count, const film_start *start,
                        const double *compliance, const film_family *family, const double *shape, int32_t varying,
                        const int32_t *places, const double *values, const double *times, double *force, double *depth,
@@ -31,11 +55,19 @@ void film_motions_many(const film_motions *m, const film_curve *curve, const fil
     int alike = family == NULL && varying == 0 && compliance == NULL;
     lines.ways = FILM_LINES_ALONE;
     if (!alike) made = *curve;
+    int32_t known[LANES];
+    int series = alike && slope && film_motions_by_series(curve, mesh);
     for (int64_t i = 0; i < count; i++, times += m->samples, force += m->samples, depth += m->samples) {
         int status = FILM_BAD_NUMBER;
+        if (series && i % LANES == 0) {
+            const motions_wanted to = {m->samples, times, force, depth, slope + i * m->samples};
+            by_series(m->instructions, curve, mesh, (int)(count - i < LANES ? count - i : LANES), &start[i], &to, known);
+        }
         double energy = family == NULL ? INFINITY : film_most_work(curve, &start[i]);
         double *own_slope = slope ? slope + i * m->samples : NULL;
-        for (int again = isfinite(times[m->samples - 1]); again; energy = INFINITY) { /* as march_in_series */
+        int done = series && known[i % LANES] == FILM_EVENT;
+        if (done) status = FILM_OK;
+        for (int again = !done && isfinite(times[m->samples - 1]); again; energy = INFINITY) { /* as march_in_series */
             status = alike ? FILM_OK : film_curve_of(&of, i, energy, &made);
             if (status >= 0) status = one_motion(m, alike ? curve : &made, &lines, &start[i], times, force, depth, own_slope);
             again = status == FILM_BEYOND_LAW && energy < INFINITY;

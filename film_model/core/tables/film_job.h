@@ -74,8 +74,16 @@ typedef struct {
     double stiffness, factor;
 } damped_form;
 
+/* Where the motions of impacts go, over ascending times: values of impact i from i samples on. slope: of the force without damping. */
+typedef struct {
+    int64_t samples;
+    const double *times;
+    double *force, *depth, *slope;
+} motions_wanted;
+
 /* A batch, and what its impacts share. */
 typedef struct {
+    const motions_wanted *motions; /* of damped impacts in lanes; NULL: none */
     const film_family *family; /* NULL: all impacts share the curve */
     const double *shape;
     const double *spring; /* compliance in series with each contact; NULL: none */

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
@@ -80,25 +81,26 @@ class _Motions:
     durations: Array
     solver: Solver
 
+    def blocks(self, places: Index, steps: int) -> Iterator[Index]:
+        """These impacts in parts of one mesh each, whose samples a processor's cache holds."""
+        _, group = np.unique(self.segments[places], axis=0, return_inverse=True)
+        at_once = max(SAMPLES // steps, 1)
+        for k in range(int(group.max(initial=-1)) + 1):
+            alike = places[group.ravel() == k]
+            yield from np.split(alike, range(at_once, alike.size, at_once))
+
     def at(self, places: Index, steps: int) -> tuple[Array, Array, Array, Array]:
         """Times, forces and contact radii of some impacts, (impacts, times), SI; nan without a record. Last the power
         with which the depth of each grows with its radius."""
         problem, times = self.problem.part(places), np.linspace(0.0, 1.0, steps + 1) * self.durations[places, None]
         scales = problem.scales.part((slice(None), None))
-        own, reversible, size = self.segments[places], problem.curve.reversible, (places.size, steps + 1)
-        force, depth, slope, power = *np.full((3, *size), np.nan), np.empty(places.size)
-        for counts in sorted(set(map(tuple, own.tolist()))):
-            of = np.flatnonzero((own == counts).all(axis=1))
-            part = problem if of.size == places.size else problem.part(of)
-            mesh = mesh_of(self.solver, counts)
-            seen = part.motions(mesh, times[of] / scales.time[of])
-            force[of], depth[of], power[of] = seen.force, seen.depth, seen.power
-            if seen.slope is not None:
-                slope[of] = seen.slope
-        force, depth = np.maximum(force * scales.force, 0.0), depth * scales.length
-        if reversible:
+        counts = self.segments[places[0]].tolist()
+        force, depth, slope, power = problem.motions(mesh_of(self.solver, (counts[0], counts[1])), times / scales.time)
+        force = np.maximum(force, 0.0, out=force) * scales.force
+        if slope is not None:
             modulus = column(problem.scene.effective_modulus, places.size)[:, None]
-            return times, force, slope * (scales.force / scales.length) / (2.0 * modulus), power
+            return times, force, slope * (scales.force / scales.length / (2.0 * modulus)), power
+        depth *= scales.length
         loading, law = int(depth.argmax(axis=1).max()) + 1, np.full(depth.shape, np.nan)
         law[:, :loading] = radius_beyond_yield(problem, depth[:, :loading].T, force[:, :loading].T).T
         radius, _ = core.radii(force, depth, law, 1.0)
@@ -120,8 +122,7 @@ def _followed(
     regime = np.full(count, -1, np.int8)
     left = np.arange(count)
     for level, steps in levels:
-        at_once = max(SAMPLES // steps, 1)
-        for some in np.split(left, range(at_once, left.size, at_once)):
+        for some in motions.blocks(left, steps):
             t, force, radius, power = motions.at(some, steps)
             numbers = np.stack([modulus[some], power, mass[some], velocity[some], t[:, 1]], axis=1)
             run = core.many(level, numbers, pairs[some] if given.table is None else given.pairs, force, radius)

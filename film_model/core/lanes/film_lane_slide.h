@@ -25,14 +25,15 @@ static void put_springs(spring_group *restrict g, int l, const film_springs *s) 
     g->sums[0][l] = 0.0;
 }
 
-/* The sum of the first `last` springs after a step: those that do not touch end at 0, one that the contact has just reached moves
- * with it for its part of the step. */
-INLINED void slip_springs(spring_group *restrict g, int32_t last, const double *restrict top, const double *restrict per_share,
-                          const double *restrict per_grown, const double *restrict moved, int watched, double *restrict sum) {
-    for (int32_t j = 0; j < last; j++) EACH_OF(l) {
+/* Springs from `first` to `last` in a step, and their sum after it: those that do not touch end at 0, one that the contact has just
+ * reached moves with it for its part of the step. whole: all of them touch all the time. */
+INLINED void slip_springs(spring_group *restrict g, int32_t first, int32_t last, const double *restrict top, const double *restrict per_share,
+                          const double *restrict per_grown, const double *restrict moved, int whole, int watched, double *restrict sum) {
+    for (int32_t j = first; j < last; j++) EACH_OF(l) {
         double left = top[l] - g->reach[j][l], most = left * per_share[l], part = left * per_grown[l];
-        most = most > 0.0 ? most : 0.0;
+        most = whole || most > 0.0 ? most : 0.0;
         part = part < 1.0 ? part : 1.0;
+        part = whole || j < g->met[l] ? 1.0 : part;
         double u = g->u[j][l] + moved[l] * part;
         if (watched) g->cut[l] += left > 0.0 ? (u > most ? 1.0 : 0.0) - (u < -most ? 1.0 : 0.0) : 0.0;
         u = u < -most ? -most : u;
@@ -46,7 +47,7 @@ INLINED void slip_springs(spring_group *restrict g, int32_t last, const double *
 CALLED void slide_group(spring_group *restrict g, const double *restrict h, const double *restrict force, const double *restrict radius,
                         int watched) {
     double widths[GROUP], top[GROUP], all[GROUP], moved[GROUP], per_share[GROUP], per_grown[GROUP], sum[GROUP] = {0.0};
-    int32_t touch[GROUP], last = 0;
+    int32_t touch[GROUP], last = 0, least = FILM_MOST_SPRINGS;
     EACH_OF(l) {
         widths[l] = radius[l] / g->width[l];
         double springs = widths[l] - 0.5, most = g->count[l];
@@ -59,8 +60,9 @@ CALLED void slide_group(spring_group *restrict g, const double *restrict h, cons
     }
     for (int l = 0; !g->spheres && l < GROUP; l++) top[l] = film_springs_reached(g->power[l], widths[l]);
     for (int l = 0; l < GROUP; l++) {
-        int32_t met = touch[l] > g->met[l] ? touch[l] : g->met[l];
-        last = met > last ? met : last;
+        int32_t fewer = touch[l] < g->met[l] ? touch[l] : g->met[l], more = touch[l] + g->met[l] - fewer;
+        least = fewer < least ? fewer : least;
+        last = more > last ? more : last;
         all[l] = touch[l] * top[l] - g->sums[touch[l]][l];
     }
     EACH_OF(l) {
@@ -69,8 +71,10 @@ CALLED void slide_group(spring_group *restrict g, const double *restrict h, cons
         per_share[l] = all[l] > 0.0 ? g->friction[l] * force[l] / (g->stiffness[l] * all[l]) : 0.0;
         per_grown[l] = 1.0 / (grown > LEAST_RISE ? grown : LEAST_RISE);
     }
-    if (watched) slip_springs(g, last, top, per_share, per_grown, moved, 1, sum);
-    else slip_springs(g, last, top, per_share, per_grown, moved, 0, sum);
+    least = least > 1 && !watched ? least - 1 : 0; /* the last spring may touch by rounding alone */
+    slip_springs(g, 0, least, top, per_share, per_grown, moved, 1, 0, sum);
+    if (watched) slip_springs(g, 0, last, top, per_share, per_grown, moved, 0, 1, sum);
+    else slip_springs(g, least, last, top, per_share, per_grown, moved, 0, 0, sum);
     EACH_OF(l) {
         double before = g->q[l], q = g->stiffness[l] * sum[l], change = q - before;
         g->v[l] -= h[l] / g->mass[l] * (0.5 * (before + q) - (change - g->rise[l]) / 12.0);

@@ -23,8 +23,8 @@ from film_model.scene.rolling import sliding_of
 from film_model.solve.accuracy import mesh_of
 from film_model.solve.many_meshes import recorded_segments
 
-SAMPLES = 15_000
-"""Of normal motions at a time, which a processor's cache holds."""
+SAMPLES = 16_384
+"""Of normal motions at a time, which a processor's cache holds and with powers of 2 for steps fills lanes."""
 
 
 class Normal(NamedTuple):
@@ -63,10 +63,9 @@ def by_springs(
     segments, mesh = normal.segments, mesh_of(solver, (1, 1))
     alike = problem.own.alike and bool(np.all(problem.damping > 0.0))
     if not (alike and families.by_series(problem.curve.native, mesh)):
-        segments = recorded_segments(problem, solver, segments)
-    # twice the segments with which the ends meet the accuracy: the force between is up to 1e-3 less exact if damped
-    # (tests/test_friction_estimate.py)
-    segments = np.minimum(2 * segments, MOST_SEGMENTS)
+        # twice the segments with which the ends meet the accuracy: the force between is up to 1e-3 less exact if damped
+        # (tests/test_friction_estimate.py)
+        segments = np.minimum(2 * recorded_segments(problem, solver, segments), MOST_SEGMENTS)
     motions = _Motions(problem, segments, normal.duration, solver)
     known, summary, regime, error = _followed(motions, normal.rebound, tolerance, levels)
     return known, summary, regime, error + springs.error_of_force(normal.estimated)

@@ -40,7 +40,7 @@ MODES = (
     *core("modal", "modal_stretch", "modal_contact", "modal_flight"),
 )
 RELAXING = core("relax", "relax", "relax_step")
-SLIDING = core("oblique", "radii", "springs", "slide")
+SLIDING = (*core("oblique", "radii", "springs"), *core("modal", "slide"))
 SOURCES = (
     *MARCH,
     *MODES,
@@ -58,9 +58,9 @@ SOURCES = (
 HEADERS = (
     f"{CORE}/film_core.h",
     *(f"{CORE}/{name}.h" for name in ("curve/film_law", "march/film_line", "march/film_march", "lanes/film_wide")),
-    *(f"{CORE}/{name}.h" for name in ("modal/film_modal", "modal/film_modal_parts")),
+    *(f"{CORE}/{name}.h" for name in ("modal/film_modal", "modal/film_modal_parts", "modal/film_slide")),
     *(f"{CORE}/{name}.h" for name in ("relax/film_relax", "relax/film_relax_parts")),
-    *(f"{CORE}/oblique/film_{name}.h" for name in ("friction", "springs", "slide")),
+    *(f"{CORE}/oblique/film_{name}.h" for name in ("friction", "springs")),
     *(
         f"{RUNTIME}/{name}.h"
         for name in ("model", "model_parts", "instance", "instance_parts", "fmi_calls", "variables", "failures")

@@ -19,7 +19,7 @@ FACES = {"film_model": "methods", "film_model.face": "methods"}
 """`import film_model`, the public face, counts as an import of the last package that it shows."""
 
 CORE = "film_model/core/"
-CORE_LADDER = ("curve", "march", "tables", "lanes", "batch", "modal", "plate", "relax", "oblique", "chain")
+CORE_LADDER = ("curve", "march", "tables", "oblique", "lanes", "batch", "modal", "plate", "relax", "chain")
 """Folders of the core, from the bottom; a file includes and calls what is in its own folder and in those before it."""
 
 LONGEST_FILE, LONGEST_FUNCTION, MOST_FILES = 400, 60, 20

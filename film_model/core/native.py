@@ -98,7 +98,7 @@ class Summary(c.Structure):
     """What one contact did."""
 
 
-SOLVE, MOTIONS = Header("march/film_solve.h", CORE), Header("oblique/film_motions.h", CORE)
+SOLVE, MOTIONS = Header("march/film_solve.h", CORE), Header("batch/film_motions.h", CORE)
 
 
 @SOLVE.structure("film_solution")

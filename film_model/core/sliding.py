@@ -10,7 +10,7 @@ from film_model.core import modal, native
 from film_model.core.headers import Header
 from film_model.core.springs import SPRINGS, Array
 
-SLIDE = Header("oblique/film_slide.h", modal.MODAL, SPRINGS)
+SLIDE = Header("modal/film_slide.h", modal.MODAL, SPRINGS)
 
 
 @SLIDE.structure("film_sliding")

@@ -5,7 +5,7 @@
 #define FILM_MODEL_H
 
 #include "modal/film_modal.h"
-#include "oblique/film_slide.h"
+#include "modal/film_slide.h"
 #include "relax/film_relax.h"
 #include "variables.h"
 

@@ -309,8 +309,7 @@ static void place_of_time(const damped_form *form, damped_lanes *restrict w, con
                           const double *restrict due, double *restrict place) {
     double moving[LANES], time[LANES], z[LANES], rate[LANES];
     EACH(l) {
-        place[l] = place[l] > 0.0 || w->z[0][l] > 0.0 ? place[l] : h[l];
-        place[l] = t[l] > 0.0 ? place[l] : 0.0;
+        place[l] = !(t[l] > 0.0) ? 0.0 : place[l] > 0.0 || w->z[0][l] > 0.0 ? place[l] : h[l];
         moving[l] = t[l] > 0.0 ? due[l] : 0.0;
     }
     for (int i = 0; i < ROOT_STEPS && any(moving); i++) {
@@ -319,8 +318,7 @@ static void place_of_time(const damped_form *form, damped_lanes *restrict w, con
         whole_power(z, form->root - 1, rate);
         EACH(l) {
             double next = place[l] - (time[l] - t[l]) / (rate[l] > 1e-300 ? rate[l] : 1e-300);
-            next = next > 0.0 ? next : 0.0;
-            next = next < h[l] ? next : h[l];
+            next = next > 0.0 ? (next < h[l] ? next : h[l]) : 0.0;
             double step = fabs(next - place[l]);
             place[l] = moving[l] > 0.0 ? next : place[l];
             moving[l] = step > TIME_FOUND * h[l] ? moving[l] : 0.0;
@@ -376,8 +374,7 @@ static void damped_contact_lanes(batch_job *j, const int64_t *index, int count) 
         film_summary *out = &j->summary[index[l]];
         const film_start *start = &j->start[index[l]];
         double passed = s.passed[AT_TURN][l] * s.passed[AT_RELEASE][l], lost = start->nu - s.nu[l];
-        if (s.bad[l] > 0.0 || !(passed > 0.0) || !(s.time[l] <= start->time_limit) ||
-            film_grazes(start->load, depth[l], start->nu)) {
+        if (s.bad[l] > 0.0 || !(passed > 0.0) || !(s.time[l] <= start->time_limit) || film_grazes(start->load, depth[l], start->nu)) {
             leave_alone(j, index[l]);
             continue;
         }

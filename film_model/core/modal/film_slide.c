@@ -1,5 +1,5 @@
 /* See film_slide.h. */
-#include "oblique/film_slide.h"
+#include "modal/film_slide.h"
 #include "modal/film_modal_parts.h"
 
 #include <math.h>

@@ -1,5 +1,5 @@
 /* See film_motions.h. */
-#include "oblique/film_motions.h"
+#include "batch/film_motions.h"
 
 #include "batch/film_batch.h"
 #include "batch/film_many.h"

@@ -467,6 +467,19 @@ def test_one_many_and_steps_agree_where_rounding_or_a_tilt_decided(seed):
     assert not swept_disagreements(random_scene(seed, ALL_LAWS), seed)
 
 
+def test_what_a_weight_holds_is_decided_alike_in_a_batch_of_many():
+    """Grazing impacts of 0.7 nm/s, whose rounding is larger than the accuracy, so that no mesh reaches it."""
+    ball = fm.Sphere("5.5 mm", "1 nm/s", mass="5.5 g", material=STEEL)
+    scene = fm.Scene(ball, fm.HalfSpace(STEEL), fm.Contact(fm.Hertz(115e9, 5.5e-3)), fm.Effects(gravity=True))
+    speeds = np.geomspace(0.6e-9, 0.8e-9, 100)
+    batch = fm.simulate_batch(scene, velocity=[f"{speed!r} m/s" for speed in speeds.tolist()])
+    ended = ~np.isnan(batch.summary["contact_duration"])
+    assert not batch.failed.any() and 20 < ended.sum() < 80 and max(batch.segments) < 200
+    for row in range(0, 100, 7):
+        alone = fm.simulate(at_velocity(scene, float(speeds[row])))
+        assert (alone.outcome is fm.Outcome.SEPARATED) == ended[row]
+
+
 def test_the_time_of_a_turn_just_beyond_the_balance_converges():
     """An over-damped contact creeps past its balance under the weight, and turns after 1e-5 of its depth."""
     scene = random_scene(1501964, ALL_LAWS)

@@ -210,12 +210,15 @@ def _shared_segments(problem: Problem, solver: Solver) -> int:
         off = difference(sample, coarse, fine)
         mesh = mesh_of(solver, sample.curve.segments(n))
         bound = bound_fine(mesh, sample.start, coarse.table, fine.table, off, np.zeros_like(off))
+        rounds = _floor(sample, fine)
+        over = bound / np.maximum(solver.accuracy - rounds, rounds)
+        refined = (status >= 0) & (other >= 0) & (fine.lines <= MOST_LINES // 2)
         # refining the others costs less than finer lines for all
-        typical = float(np.quantile(np.where((status >= 0) & (other >= 0), bound, 0.0), 0.9))
-        if typical <= solver.accuracy:
+        typical = float(np.quantile(np.where(refined, over, 0.0), 0.9))
+        if typical <= 1.0:
             break
         # the difference decreases with about the fourth power of the segments
-        wanted = math.ceil(n * (typical / solver.accuracy) ** 0.25)
+        wanted = math.ceil(n * typical**0.25)
         n = min(2 * n, max(wanted, n + (2 if solver.linearisation == "chord" else 1)))
     return n
 

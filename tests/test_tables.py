@@ -68,7 +68,7 @@ def test_a_history_and_a_measurement_are_tables(tmp_path: Path) -> None:
     assert fd.convert(measured, tmp_path / "m.nc") == []
     back = fd.to_frame(fd.read(tmp_path / "m.nc"))
     assert back["contact_force [N]"].tolist() == frame["contact_force [N]"].tolist()
-    assert len(fd.to_frame(fd.load("measured_impacts"))) == 253
+    assert len(fd.to_frame(fd.load("measured_impacts"))) == 295
 
 
 @pytest.mark.slow

@@ -283,6 +283,9 @@ FILM_API int film_init(const film_curve *curve, film_state *state, double xi, do
 /* The law's c is `factor` >= 0 times the curve's from here on; 0, as after film_init, leaves damping out. */
 FILM_API int film_damp(film_state *state, double factor);
 
+/* The state at first touch, with the damping of `start`. */
+FILM_API int film_begin(const film_curve *curve, const film_start *start, film_state *state);
+
 /* A new load or a new support: nu is relative to the support, so a support that gains velocity u costs nu - u. */
 FILM_API int film_input(film_state *state, double load, double nu_change, double stop_velocity);
 

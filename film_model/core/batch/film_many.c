@@ -11,8 +11,7 @@ int film_record_one(const film_curve *curve, const film_mesh *mesh, const film_s
     film_summary summary;
     int32_t room = line_room < FILM_MAX_SEGMENTS ? (int32_t)line_room : FILM_MAX_SEGMENTS, event_count = 0;
     *line_count = 0;
-    int status = s->nu > 0.0 ? film_init(curve, &state, 0.0, s->nu, s->gamma, s->load, s->stop_velocity) : FILM_BAD_NUMBER;
-    if (status >= 0) status = film_damp(&state, s->damping);
+    int status = s->nu > 0.0 ? film_begin(curve, s, &state) : FILM_BAD_NUMBER;
     if (status >= 0)
         status = film_record(curve, mesh, &state, s->time_limit, lines, room, line_count, events, event_room, &event_count, &summary);
     if (status < 0) *line_count = 0;

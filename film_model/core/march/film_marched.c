@@ -183,8 +183,7 @@ int film_marched(const film_curve *curve, const film_mesh *mesh, const film_star
         ended = ended && start->load * summary->maximum_indentation <= 0.5 * start->nu * start->nu;
         if (status < 0 || ended) return status;
     } /* it turns again, or rounding matters: that of the recorded march, then */
-    int status = film_init(curve, &s, 0.0, start->nu, start->gamma, start->load, start->stop_velocity);
-    if (status >= 0) status = film_damp(&s, start->damping);
+    int status = film_begin(curve, start, &s);
     if (status >= 0)
         status = film_record(curve, mesh, &s, start->time_limit, NULL, FILM_MAX_STEP_LINES, &lines, NULL, FILM_MAX_EVENTS, &events, summary);
     return status == FILM_FULL ? FILM_TOO_MANY : status;

@@ -76,6 +76,11 @@ int film_damp(film_state *s, double factor) {
     return FILM_OK;
 }
 
+int film_begin(const film_curve *curve, const film_start *start, film_state *s) {
+    int status = film_init(curve, s, 0.0, start->nu, start->gamma, start->load, start->stop_velocity);
+    return status >= 0 ? film_damp(s, start->damping) : status;
+}
+
 int film_input(film_state *s, double load, double nu_change, double stop_velocity) {
     if (!isfinite(load) || !isfinite(nu_change) || !isfinite(stop_velocity)) return FILM_BAD_NUMBER;
     load = flush_tiny(load);

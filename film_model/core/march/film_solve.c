@@ -20,8 +20,7 @@ typedef double film_way[HALVINGS + 1][2];
 /* Indentation and velocity of an impactor pressed in by a load. */
 static void creep(const film_curve *curve, const film_mesh *mesh, const film_start *start, film_way way) {
     film_state state;
-    film_init(curve, &state, 0.0, start->nu, start->gamma, start->load, start->stop_velocity);
-    film_damp(&state, start->damping);
+    film_begin(curve, start, &state);
     for (int k = 0; k <= HALVINGS; k++) {
         double until = ldexp(start->time_limit, k - HALVINGS);
         for (int event = 0; event < FILM_MAX_EVENTS; event++)

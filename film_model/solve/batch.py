@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from film_model.base import errors, units
 from film_model.base.arrays import Array, Mask, index_or_all
-from film_model.base.errors import VIBRATES, SimulationError
+from film_model.base.errors import VIBRATES
 from film_model.base.late import Late
 from film_model.core import native
 from film_model.effects.effect import percent
@@ -260,10 +260,7 @@ def _one_oblique(found: ManyOblique, scene: Scene, columns: Mapping[str, Array],
     from film_model.solve.simulate import simulate_chosen
 
     own: dict[str, Any] = {path: float(values[row]) for path, values in columns.items()}
-    try:
-        oblique = simulate_chosen(choose(scene_of_columns(scene, own)), solver).oblique
-    except SimulationError:  # alone the contact does not end
-        return
+    oblique = simulate_chosen(choose(scene_of_columns(scene, own)), solver).oblique
     if oblique is not None:
         number = REGIMES.index(oblique.sliding_regime)
         found.known(row, oblique.summary, number, oblique.estimated)

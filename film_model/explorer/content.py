@@ -256,7 +256,7 @@ def regime_map() -> list[dict[str, Any]]:
 
 
 def _intervals() -> list[list[dict[str, Any]]]:
-    """The residuals of measured values from law "auto", or why there are none, by the number of the impact's family."""
+    """For each family of `KINDS`: how far measured values lie from those of law "auto", or why there are too few."""
     found: list[list[dict[str, Any]]] = []
     for family in KINDS:
         known = {name: residuals_of(family, name) for name in SUMMARY}
@@ -301,13 +301,8 @@ def _constants() -> dict[str, Any]:
         "trial_segments": 4 * TRIAL_SEGMENTS,  # the page marches lines only; the trial in Python takes shorter ways
         **{"sure": SURE, "settled": SETTLED, "most_rounds": MOST_ROUNDS},
         **{"yields": YIELDS, "agreement": AGREEMENT, "accuracy": DEFAULT_ACCURACY, "tolerance": DEFAULT_TOLERANCE},
-        **{
-            "elastic": ELASTIC,
-            "yielding": YIELDING,
-            "damped": DAMPED,
-            "polymer": KINDS.index(POLYMER),
-            "least_restitution": LEAST_RESTITUTION,
-        },
+        **{"elastic": ELASTIC, "yielding": YIELDING, "damped": DAMPED, "polymer": KINDS.index(POLYMER)},
+        "least_restitution": LEAST_RESTITUTION,
         **{"most_weight": MOST_WEIGHT, "not_modelled": NOT_MODELLED, "compared": COMPARED},
         "vibration": support.constants(),
         "ritz": support.ritz_constants(),

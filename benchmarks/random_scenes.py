@@ -161,11 +161,16 @@ def _simulated(scene: fm.Scene) -> fm.History:
 
 
 def _sliding(one: Any, swept: Any, row: int) -> Iterator[str]:
-    """The contact point's velocity that differs between one impact and a row of a sweep by more than both errors."""
-    if not isinstance(one, fm.History) or one.oblique is None or isinstance(swept, Exception):
+    """A work of friction below 0, and the contact point's velocity that differs between one impact and a row of a sweep
+    by more than both errors."""
+    if not isinstance(one, fm.History) or one.oblique is None:
         return
     name = "contact_point_rebound_velocity"
-    before = abs(float(one.oblique.motion["sliding_velocity"][0]))
+    before, after = abs(float(one.oblique.motion["sliding_velocity"][0])), one.oblique.summary[name]
+    if abs(after) > (1.0 + one.oblique.estimated) * before:
+        yield f"friction gives energy: {name} {after!r} m/s, {before!r} m/s before"
+    if isinstance(swept, Exception):
+        return
     allowed = one.oblique.estimated + float(swept["estimated_friction_error"][row])
     allowed += 2.0 * (one.scene.solver.accuracy or 0.0)
     off = abs(float(swept[name][row]) - one.oblique.summary[name])

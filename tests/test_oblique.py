@@ -259,7 +259,7 @@ def test_springs_converge_to_the_exact_motion():
         found, *_ = core_springs.impact(count, numbers, given.pairs, times[every], force[::every], radius[::every])
         errors.append(abs(found.velocity - exact.oblique.summary["contact_point_rebound_velocity"]) / given.velocity)
     assert errors[2] < 4e-6 and errors[0] > 3.0 * errors[1] > 4.0 * errors[2]
-    run = springs.tangential(given, 2.0, times, force, radius)
+    run = springs.tangential(given, 2.0, *np.stack([times, force, radius])[:, None])
     assert errors[2] <= run.estimated / given.velocity < 1e-3
 
 

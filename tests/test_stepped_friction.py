@@ -3,6 +3,7 @@
 import math
 
 import pytest
+from scipy.integrate import trapezoid
 
 import film_model as fm
 
@@ -178,6 +179,28 @@ def test_on_a_beam_that_vibrates(psi):
     assert short.sliding.sliding_velocity == pytest.approx(component.sliding.sliding_velocity, abs=1e-5 * before)
     component.reset()
     assert_restored(component, history.duration)
+
+
+@pytest.mark.parametrize(("law", "entries"), [("hertz", {}), ("elastoplastic", {}), ("tsuji", {"restitution": 0.8})])
+def test_contacts_that_are_short_beside_the_flights_between_them(law, entries):
+    """A light ball meets a slow structure three times, for a thousandth of the time: each contact has its own steps."""
+    soft = {"frequency": ["120 Hz", "410 Hz"], "modal_mass": ["3e-7 kg", "3e-7 kg"]}
+    on = scene(law, 3.0, target=fm.Structure(material="bearing steel", **soft), **entries)
+    on = on.replace({"impactor.radius": "0.2 mm"})
+    history, component = fm.simulate(on, accuracy=1e-5), fm.ImpactComponent(on, accuracy=1e-5)
+    component.step(1.0001 * history.duration)
+    found, motion = history.oblique, history.oblique.motion
+    contacts = history.vibration.in_contact
+    assert len(contacts) > 1 and sum(end - begin for begin, end in contacts) < 2e-3 * history.duration
+    before, exact = motion["sliding_velocity"][0], found.summary["contact_point_rebound_velocity"]
+    yields = (found.high or exact) - (found.low or exact)
+    error = found.estimated * before + yields + (1e-5 if law == "hertz" else 1e-3) * before
+    assert component.sliding.sliding_velocity == pytest.approx(exact, abs=error) and found.estimated < 1e-3
+    assert component.sliding.tangential_impulse == pytest.approx(found.summary["tangential_impulse"], rel=2e-3)
+    assert found.summary["friction_work"] > 0.0 and found.summary["maximum_friction_force"] > 0.0
+    assert found.summary["maximum_friction_force"] <= 0.2 * history.summary["maximum_force"]
+    impulse = trapezoid(motion["friction_force"], motion["time"])
+    assert impulse == pytest.approx(found.summary["tangential_impulse"], rel=1e-4)
 
 
 def test_pushes_without_friction_are_refused():

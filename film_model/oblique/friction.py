@@ -8,11 +8,12 @@ Formulas serve one impact (floats) and many (arrays).
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Any, cast
 
 import numpy as np
+from scipy.integrate import trapezoid
 
 from film_model.base.arrays import Array, Number, either, greater, ratio
 from film_model.base.errors import SimulationError
@@ -46,14 +47,14 @@ def oblique_of(
     problem: Problem,
     rebound: float | None,
     sample: Callable[[Array], Any],
-    duration: float,
+    contacts: Sequence[tuple[float, float]],
     estimated: float,
 ) -> Oblique | None:
     """The tangential part of an impact whose normal motion is known; None without friction, or if nothing slides.
 
     rebound: normal velocity after the impact, m/s; None if contact did not end. sample: the normal motion at times, SI.
-    duration: of the contacts, s. estimated: relative error of the normal motion. Raises SimulationError for a contact
-    that does not end, sticks or creeps.
+    contacts: when each begins and ends, s. estimated: relative error of the normal motion. Raises SimulationError for a
+    contact that does not end, sticks or creeps.
     """
     given = sliding_of(scene)
     if given is None:
@@ -65,7 +66,7 @@ def oblique_of(
         return _without_friction(scene, given, problem, rebound)
     force = exact_force(problem)
     found = None if force is None else _exactly(scene, given, problem, force, rebound)
-    return found or _by_springs(scene, given, problem, rebound, sample, duration, estimated)
+    return found or _by_springs(scene, given, problem, rebound, sample, contacts, estimated)
 
 
 def refuse(problem: Problem) -> None:
@@ -145,24 +146,28 @@ def _by_springs(
     problem: Problem,
     rebound: float,
     sample: Callable[[Array], Any],
-    duration: float,
+    contacts: Sequence[tuple[float, float]],
     estimated: float,
 ) -> Oblique:
     """By springs; under two models of the stiffness along the surface if the law yields."""
-    times = np.linspace(0.0, duration, springs.STEPS + 1)
-    seen = sample(times)
+    steps = springs.steps_of(len(contacts))
+    times = np.linspace(*np.transpose(contacts), steps + 1, axis=1)
+    seen = sample(times.ravel())
     force, depth = np.maximum(seen.contact_force, 0.0), np.asarray(seen.indentation)
     power = springs_core.power(problem.curve.native)
-    runs = [springs.tangential(given, power, times, force, own) for own in contact_radii(problem, depth, force)]
-    first = runs[0]
+    models = [radius.reshape(times.shape) for radius in contact_radii(problem, depth, force)]
+    runs = [springs.tangential(given, power, times, force.reshape(times.shape), radius) for radius in models]
+    first, times = runs[0], times.ravel()
     moved = np.concatenate([[0.0], np.cumsum(0.5 * (first.velocity[1:] + first.velocity[:-1]) * np.diff(times))])
     motion = dict(zip(MOTION, (times, first.velocity, first.force, moved, first.stuck), strict=True))
     regime = REGIMES[first.regime]
     ends = [run.after for run in runs]
+    impulse = float(normal_impulse(scene, problem, rebound, contacts[-1][1]))
     if regime == THROUGHOUT:
-        ends = [float(slid(given, normal_impulse(scene, problem, rebound, duration)))]
+        ends = [float(slid(given, impulse))]
     events = tuple((time, KINDS[kind]) for time, kind in first.phases)
-    error = first.estimated / abs(given.velocity) + springs.error_of_force(estimated)
+    missed = abs(float(trapezoid(force, times)) / impulse - 1.0)
+    error = first.estimated / abs(given.velocity) + springs.error_of_force(max(estimated, missed))
     most = int(np.argmax(np.abs(first.force)))
     summary = results(scene, given, rebound, ends[0], (abs(float(first.force[most])), float(times[most])))
     found = Oblique(summary, regime, events, motion, error)
@@ -183,7 +188,8 @@ def slid(given: Sliding, impulse: Number) -> Number:
 
 
 def normal_impulse(scene: Scene, problem: Problem, rebound: Number, duration: Number) -> Number:
-    """∫F dt by the balance of the impactor's momentum, N·s. rebound, duration: as in :func:`oblique_of`."""
+    """∫F dt by the balance of the impactor's momentum, N·s. rebound: as in :func:`oblique_of`. duration: up to the
+    end of the last contact, s."""
     load = problem.load * problem.scales.force
     return scene.mass * (scene.impactor.speed - rebound) + load * duration
 

@@ -50,10 +50,12 @@ class ModalMotion:
         """Whether the modes are damped."""
         return bool(self.tables.ratio.any())
 
-    def in_contact(self, times: Array) -> Array:
-        """The ascending times, s, with those in flights replaced by where the flights begin."""
-        at = np.maximum(np.searchsorted(self.segments["time"], times, side="right") - 1, 0)
-        return np.where(self.segments["flight"][at] >= 0, np.minimum(self.segments["time"][at], times), times)
+    @property
+    def in_contact(self) -> list[tuple[float, float]]:
+        """When each contact begins and ends, s; the last may not have ended."""
+        flies, time = np.append(self.segments["flight"] >= 0, True), self.segments["time"]
+        begins, ends = np.flatnonzero(np.diff(flies, prepend=True)).reshape(-1, 2).T
+        return list(zip(time[begins].tolist(), time[np.minimum(ends, time.size - 1)].tolist(), strict=True))
 
     def sample(self, times: Array) -> tuple[Array, NDArray[np.int8]]:
         """(count, 5) values ξ, ξ', f, ν, displacement of the struck point at ascending times, and branch of each."""

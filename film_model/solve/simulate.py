@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Any, NamedTuple, cast
 
 import numpy as np
 
-from film_model.base.arrays import Array
 from film_model.base.errors import ImpactWarning, Outcome, SimulationError, shown
 from film_model.core import native
 from film_model.effects.choose import Choice, choose
@@ -18,7 +17,7 @@ from film_model.problem.problem import Problem
 from film_model.problem.summary import energy_warning, summary_of
 from film_model.scene import DEFAULT_ACCURACY, Scene, Solver
 from film_model.solve.accuracy import Linearisation, estimate, mesh_of, raise_failure, refine, solver_for
-from film_model.solve.history import MOTION, Accuracy, Event, History, Samples, stages_at
+from film_model.solve.history import MOTION, Accuracy, Event, History, stages_at
 
 if TYPE_CHECKING:
     from film_model.solve.vibration import Moment, Vibration
@@ -103,14 +102,9 @@ def simulate_chosen(choice: Choice, solver: Solver) -> History:
     from film_model.oblique.friction import oblique_of
 
     rebound = history.summary["rebound_velocity"]
-    on = history.vibration
-
-    def pressed(times: Array) -> Samples:
-        """The motion at ascending times; in flights as where they begin, which needs no sum over the modes."""
-        return history.sample_si(times if on is None else on.in_contact(times))
-
-    own = history.duration, history.accuracy.estimated
-    found = oblique_of(history.scene, history.problem, rebound, pressed, *own)
+    contacts = [(0.0, history.duration)] if history.vibration is None else history.vibration.in_contact
+    estimated = history.accuracy.estimated
+    found = oblique_of(history.scene, history.problem, rebound, history.sample_si, contacts, estimated)
     return replace(history, oblique=found)
 
 

@@ -128,7 +128,8 @@ def second_friction(history: History) -> Second:
         seen = history.sample_si(times)
         force = np.maximum(seen.contact_force, 0.0)
         radius, *_ = contact_radii(history.problem, np.asarray(seen.indentation), force)
-        run = springs.tangential(given, power(history.problem.curve.native), times, force, radius)
+        contact = np.stack([times, force, radius])[:, None]
+        run = springs.tangential(given, power(history.problem.curve.native), *contact)
         after, error = run.after, run.estimated
         how = f"{springs.SPRINGS} springs beside each other in {STEPS} steps"
     error += found.estimated * abs(before)

@@ -151,7 +151,8 @@ def _by_springs(
 ) -> Oblique:
     """By springs; under two models of the stiffness along the surface if the law yields."""
     steps = springs.steps_of(len(contacts))
-    times = np.linspace(*np.transpose(contacts), steps + 1, axis=1)
+    begins, ends = np.transpose(contacts)
+    times = np.linspace(begins, ends, steps + 1, axis=1)
     seen = sample(times.ravel())
     force, depth = np.maximum(seen.contact_force, 0.0), np.asarray(seen.indentation)
     power = springs_core.power(problem.curve.native)

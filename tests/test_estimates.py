@@ -117,6 +117,18 @@ def test_the_rounding_of_a_pull_grows_with_the_number_of_lines():
     assert 5e-5 < max(abs(speed / problem.approach - 1.0) for speed in speeds) < rounding(problem, summary)
 
 
+def test_the_rounding_of_a_weight_on_a_soft_beam_is_bounded():
+    """The beam's own deflection takes most of the weight's work, 1e15 times the energy of the impact; e = 1."""
+    ball = fm.Sphere(radius="5.94 mm", velocity="1 um/s", material="mild steel")
+    beam = fm.Beam("aluminium 6061-T6", length="637 mm", width="6.448 mm", thickness="2.8936 mm", ends="clamped")
+    contact = fm.Contact(law="jackson-green", yield_strength="600 MPa")
+    effects = fm.Effects(target_inertia=False, plasticity=True)
+    scene = fm.Scene(ball, beam, contact=contact, effects=effects, solver=fm.Solver(accuracy=1e-6))
+    found = fm.simulate_batch(scene, velocity=[f"{v!r} m/s" for v in np.geomspace(2e-9, 1e-6, 40).tolist()])
+    restitution, estimated = found.summary["coefficient_of_restitution"], found.estimated_accuracy
+    assert np.all(abs(1.0 - restitution) <= estimated * np.maximum(restitution, 1.0)) and estimated[-1] < 1e-3
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("first", [20000, 20200])
 def test_estimates_bound_the_errors_of_random_scenes(first):

@@ -200,8 +200,11 @@ def creeping(history, values):
 
 
 def differing(history, values):
-    """The summary values in which a row of a batch or sweep differs from the single impact, with both numbers."""
+    """The summary values in which a row of a batch or sweep differs from the single impact, with both numbers; none if
+    its estimate says that no digit is known."""
     found, sizes = {}, scales(history)
+    if history.accuracy.estimated >= 1.0:
+        return found
     allowed = MARGIN * max(history.scene.solver.accuracy * 10, 2 * history.accuracy.estimated)  # each has its rounding
     for name in SUMMARY:
         one, many = history.summary[name], float(values[name])

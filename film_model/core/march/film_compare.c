@@ -22,6 +22,9 @@ static const double FEW_LINES = 400.0;
  * tests/test_one_and_many.py, seed 1390. */
 static const double SERIES_ROUNDING = 2e4;
 
+/* Rounding of the work of a load on the way of that spring, over DBL_EPSILON; tests/test_estimates.py. */
+static const double SPRING_ROUNDING = 128.0;
+
 /* A turn nearer than 1e-9 of the indentation is taken along a tangent (film_next.c). That matters if this is more than
  * about 1e-2 of the indentation beyond the clearance. */
 static const double SHORT_WAY = 1e-9, DEEP = 1e7;
@@ -80,18 +83,20 @@ static double difference(const film_start *start, const film_summary *a, const f
 
 /* Energy that rounding may add or take: of the largest that the contact held, and of the law's work at the deepest point,
  * which is known no better than the indentation beyond `clearance`, where the force begins. A load and a pull do work too. It
- * changes the final velocity v by its size over v, and a final velocity of 0 by its root. */
+ * changes the final velocity v by about its size over v, and a final velocity of 0 by its root. */
 static double rounding(const film_curve *curve, const film_start *start, const film_summary *s, double clearance) {
     double impact = 0.5 * start->nu * start->nu, depth = s->maximum_indentation, speed = fabs(s->final_velocity);
     double closed = depth > clearance ? depth / (depth - clearance) : 1.0;
     double unit = (curve->compliance > 0.0 ? SERIES_ROUNDING : ENERGY_ROUNDING) * DBL_EPSILON;
     double push = (start->load + PULL_ROUNDING * curve->pull) * sqrt(1.0 + s->lines / FEW_LINES);
     double lost = unit * (impact * closed + push * depth);
+    lost += SPRING_ROUNDING * DBL_EPSILON * push * curve->compliance * s->maximum_force;
     double other = closed > DEEP ? SHORT_WAY * closed : 0.0;
     if (start->stop_velocity > 0.0 && !isnan(s->time_impactor_stops))
         other += STOP_ROUNDING * DBL_EPSILON * start->nu / (start->nu - start->stop_velocity);
     if (!(speed >= 0.0) || !(impact > 0.0)) return other + unit * closed;
-    return other + lost / (larger(speed, sqrt(lost)) * larger(speed, FLOOR * start->nu));
+    double share = 2.0 * lost / (larger(speed, sqrt(lost)) * larger(speed, FLOOR * start->nu)); /* of the energy at the end */
+    return other + (share < 1.0 ? share / (1.0 + sqrt(1.0 - share)) : 1.0);
 }
 
 /* Relative rounding error of a march of 100 segments; it grows with the square root of their number. */

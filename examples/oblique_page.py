@@ -6,15 +6,19 @@
 import csv
 import math
 import sys
-from collections.abc import Mapping
+from collections.abc import Callable, Iterable, Mapping
+from operator import itemgetter
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
 
 import film_model as fm
 from film_datasets.reference_impacts.cases import cases, scene_of
+from film_model.oblique.friction import results
 from film_model.plot.style import COLOURS, HIGHLIGHT, picture
+from film_model.scene.rolling import sliding_of
 from film_model.solve.simulate import simulate_quietly
 from film_model.studies.tangential_models import MODELS, theory
 
@@ -81,13 +85,17 @@ Tangential restitution:
 At small angles the rim of the contact slips on the way out although its middle sticks, and takes tangential velocity,
 which a spring with one slider, `mindlin`, gives back.
 
-Spin after the impact (opposite to the sliding before):
+Spin after the impact, rad/s (opposite to the sliding before):
 
 {spin}
 
-Angle of the centre's path to the normal after the impact:
+Angle of the centre's path to the normal after the impact, °:
 
 {angle}
+
+Angle of the contact point's path, °, negative where it is thrown back:
+
+{contact_angle}
 
 Difference of the models to the theory in ψ₂, for 0 < ψ₁ ≤ 6 and alike bodies with ν = 0.3 (χ = {steel:.4f}):
 
@@ -157,26 +165,36 @@ def sliding_before(found: Mapping[str, float]) -> float:
     return found["tangential_rebound_velocity"] / found["tangential_restitution"]
 
 
-def restitution_rows(scene: fm.Scene, values: list[tuple[float, float]]) -> tuple[str, dict[str, np.ndarray]]:
-    """The table of tangential restitutions, and what each model is off by."""
-    rows: list[list[float]] = []
-    for angle, value in values:
-        found = ours(scene, angle)
-        chi, before = found["tangential_parameter"], np.array([found["impact_number"]])
-        models = (float(restitution_of(found, before, MODELS[name](chi, before))[0]) for name in COMPARED)
-        rows.append([angle, value, found["tangential_restitution"], *models])
+def of_models(scene: fm.Scene, angle: float) -> dict[str, Mapping[str, float]]:
+    """Results of the scene at an angle, °, and those that follow from each model's ψ₂."""
+    history = simulate_quietly(scene.replace({"impactor.angle": f"{angle} deg"}))
+    given, oblique = sliding_of(history.scene), history.oblique
+    assert given is not None and oblique is not None
+    chi, before = (oblique.summary[name] for name in ("tangential_parameter", "impact_number"))
+    found: dict[str, Mapping[str, float]] = {"film-model": oblique.summary}
+    for name, heading in COMPARED.items():
+        after = float(MODELS[name](chi, np.array([before]))[0]) / before * given.velocity
+        found[heading] = results(history.scene, given, history.summary["rebound_velocity"], after, (0.0, 0.0))
+    return found
+
+
+def contact_angle(found: Mapping[str, float]) -> float:
+    """Between the normal and the velocity of the contact point after the impact, °."""
+    normal = found["tangential_rebound_velocity"] / math.tan(found["rebound_angle"])
+    return math.degrees(math.atan2(found["contact_point_rebound_velocity"], normal))
+
+
+def compared_rows(
+    scene: fm.Scene, points: Iterable[tuple[float, float]], value: Callable[[Mapping[str, float]], float], digits: str
+) -> tuple[str, dict[str, np.ndarray]]:
+    """The table of a measured result over the angle of impact, °, and what ours and each model are off by."""
+    rows = [(angle, seen, *map(value, of_models(scene, angle).values())) for angle, seen in points]
     numbers = np.array(rows)
-    off = {name: numbers[:, 2 + k] - numbers[:, 1] for k, name in enumerate(("ours", *COMPARED))}
-    cells = [[f"{row[0]:.2f}", *(f"{value:.4f}" for value in row[1:])] for row in rows]
-    largest = ["largest error", "", *(f"{np.abs(one).max():.3f}" for one in off.values())]
-    rms = ["rms error", "", *(f"{math.sqrt(float(np.mean(one**2))):.3f}" for one in off.values())]
-    return table(["angle, °", "measured", "film-model", *COMPARED.values()], [*cells, largest, rms]), off
-
-
-def plain_rows(scene: fm.Scene, name: str, values: list[tuple[float, float]], unit: str, size: float) -> str:
-    """Measured and computed values of one result."""
-    rows = [[f"{angle:.2f}", f"{value:.4g}", f"{ours(scene, angle)[name] / size:.4g}"] for angle, value in values]
-    return table(["angle, °", f"measured, {unit}", f"film-model, {unit}"], rows)
+    off = {name: numbers[:, 2 + k] - numbers[:, 1] for k, name in enumerate(("film-model", *COMPARED.values()))}
+    cells = [[f"{row[0]:.2f}", *(format(each, digits) for each in row[1:])] for row in rows]
+    largest = ["largest error", "", *(format(np.abs(one).max(), digits) for one in off.values())]
+    rms = ["rms error", "", *(format(math.sqrt(float(np.mean(one**2))), digits) for one in off.values())]
+    return table(["angle, °", "measured", *off], [*cells, largest, rms]), off
 
 
 def alike(ratio: float = 0.3, other: float | None = None) -> fm.Scene:
@@ -258,6 +276,17 @@ def plateau_rows() -> str:
     return table(["bodies", "measured β₀", "film-model"], rows)
 
 
+def tables(values: Mapping[str, list[tuple[float, float]]]) -> dict[str, tuple[Any, ...]]:
+    """Measured points, value and digits of each table of the alumina balls."""
+    restitution, spin, angle = (values[name] for name in ("tangential_restitution", "rebound_spin", "rebound_angle"))
+    return {
+        "restitution": (restitution, itemgetter("tangential_restitution"), ".4f"),
+        "spin": (spin, lambda found: -found["rebound_spin"], ".1f"),
+        "angle": (angle, lambda found: math.degrees(found["rebound_angle"]), ".2f"),
+        "contact_angle": (CONTACT_ANGLES, contact_angle, ".2f"),
+    }
+
+
 def draw(figure: Figure, scene: fm.Scene, found: Mapping[str, float], values: list[tuple[float, float]]) -> None:
     """ψ₂ over ψ₁ with its limits, and the tangential restitution over the angle."""
     figure.set_layout_engine("constrained")
@@ -293,9 +322,7 @@ def main(folder: Path = DOCS) -> tuple[Path, Path]:
         chi=found["tangential_parameter"],
         end=4.0 * found["tangential_parameter"] - 1.0,
         steel=parameter,
-        restitution=restitution_rows(scene, values["tangential_restitution"])[0],
-        spin=plain_rows(scene, "rebound_spin", values["rebound_spin"], "rad/s", -1.0),
-        angle=plain_rows(scene, "rebound_angle", values["rebound_angle"], "°", math.radians(1.0)),
+        **{name: compared_rows(scene, *given)[0] for name, given in tables(values).items()},
         models=model_rows(parameter),
         glass=glass_rows(),
         plateaus=plateau_rows(),

@@ -62,14 +62,18 @@ def test_the_theory_depends_on_the_groups_only(page):
 @pytest.mark.slow
 def test_measured_restitution_and_the_models(page):
     """Alumina on glass: nothing is fitted; 8 of 10 within 0.01."""
-    _, off = page.restitution_rows(fm.Scene.from_toml(page.SCENE), page.measured()["tangential_restitution"])
-    assert sum(abs(one) <= 0.01 for one in off["ours"]) == 8
+    scene, of = fm.Scene.from_toml(page.SCENE), page.tables(page.measured())
+    off = page.compared_rows(scene, *of["restitution"])[1]
+    assert sum(abs(one) <= 0.01 for one in off["film-model"]) == 8
     for name, largest, rms in (
-        *(("ours", 0.036, 0.014), ("mindlin", 0.252, 0.103), ("mindlin_rescale/force", 0.121, 0.048)),
-        *(("hooke", 0.078, 0.035), ("rigid", 0.115, 0.048)),
+        *(("film-model", 0.036, 0.014), ("Mindlin's spring", 0.252, 0.103), ("rescaled", 0.121, 0.048)),
+        *(("Hooke", 0.078, 0.035), ("rigid", 0.115, 0.048)),
     ):
         assert np.abs(off[name]).max() == pytest.approx(largest, abs=1e-3), name
         assert np.sqrt(np.mean(off[name] ** 2)) == pytest.approx(rms, abs=1e-3), name
+    for name in ("spin", "angle"):
+        squares = {model: np.mean(one**2) for model, one in page.compared_rows(scene, *of[name])[1].items()}
+        assert min(squares, key=squares.get) == "film-model"
 
 
 @pytest.mark.slow

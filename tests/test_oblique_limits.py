@@ -77,6 +77,8 @@ def test_the_warning_says_how_far_the_rebound_is_open():
     assert effect.change == pytest.approx(bounds.change) and effect.change > 0.2
     assert effect_of(slanted("0.2 deg")).state == "not needed"
     assert effect_of(slanted().replace({"contact.friction": 0.1})).state == "simulated"
+    plate = effect_of(slanted(target=fm.Plate("mild steel", thickness="5 mm")).replace({"contact.friction": 0.1}))
+    assert plate.reason.endswith("; the plate is immovable along its surface")
 
 
 @pytest.mark.parametrize("angle", [5.0, 30.0, 75.0])

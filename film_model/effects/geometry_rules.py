@@ -106,6 +106,8 @@ def oblique(scene: Scene, rule: Rule, restitution: float | None, tolerance: floa
         why = f"the tangential motion and the spin are simulated with a friction coefficient of {friction:g}"
         sliding = None if restitution is None else expected(scene, restitution)
         why += f"; {sliding}" if sliding else ""
+        if scene.target.kind not in ("half-space", "body"):
+            why += f"; the {scene.target.kind} is immovable along its surface"
         return rule.failing(why, math.degrees(angle), 0.0)._replace(state=SIMULATED, cost=FREE)
     normal = format_si(scene.impactor.speed, "velocity")
     why = f"only the normal component, {normal}, is simulated: give friction in [contact]"

@@ -98,6 +98,22 @@ def test_where_sticking_ends(before):
     assert abs(rate) == pytest.approx(math.sqrt(1.0 - z**2.5), abs=1e-11)
 
 
+@pytest.mark.parametrize("before", [1.3, 2.0])
+def test_sticking_after_sliding(before):
+    """D' is a combination of two hypergeometric functions of z^5/2 until the contact slips."""
+    from scipy.special import hyp2f1
+
+    result, rows = solved(CHI, before)
+    (_, slides), (sticks, kind), (slips, last) = result.events[:3]
+    assert (slides, kind, last) == (core.SLIDES, core.STICKS, core.SLIPS)
+    _, z, _, rate, _, _ = rows[(rows[:, 0] >= sticks) & (rows[:, 0] <= slips)].T
+    total, product = 0.1, -0.6 * CHI
+    a, b = ((total + sign * math.sqrt(total**2 - 4.0 * product)) / 2.0 for sign in (1.0, -1.0))
+    parts = np.stack([hyp2f1(a, b, 0.6, z**2.5), z * hyp2f1(a + 0.4, b + 0.4, 1.4, z**2.5)], axis=1)
+    shares = np.linalg.solve(parts[:2], rate[:2])
+    assert rate.size > 3 and parts @ shares == pytest.approx(rate, abs=1e-11)
+
+
 @pytest.mark.parametrize(
     ("before", "expected"), [(0.5, 0.184567753), (1.5, -0.339308323), (3.0, -1.368026457), (4.5, -1.217540206)]
 )
@@ -108,7 +124,10 @@ def test_a_flat_punch(before, expected):
 
 def test_hardly_any_sliding_velocity():
     """ψ₂/ψ₁ for ψ₁ → 0, by Poisson's ratio; below 0.2 the sign of slip changes once more."""
-    for nu, expected in ((0.0, 0.3869), (0.1, 0.3657), (0.2, 0.3173), (0.3, 0.2314), (0.4, 0.0954), (0.5, -0.1044)):
+    for nu, expected in (
+        *((0.0, 0.3869), (0.1, 0.3657), (0.2, 0.3173), (0.25, 0.2798)),
+        *((0.3, 0.2314), (0.35, 0.1705), (0.4, 0.0954), (0.5, -0.1044)),
+    ):
         chi = 7.0 * (1.0 - nu) / (2.0 * (2.0 - nu))
         assert after(chi, 1e-3) / 1e-3 == pytest.approx(expected, abs=6e-5)
         limit = after(chi, 1e-6) / 1e-6
@@ -117,11 +136,23 @@ def test_hardly_any_sliding_velocity():
 
 
 def test_shape_of_the_curve():
-    """Its maximum, zero, minimum and largest −ψ₂/ψ₁ for a Poisson's ratio of 0.3."""
-    assert after(CHI, 0.4168) == pytest.approx(0.050018, abs=1e-6)
-    assert after(CHI, 0.809919) == pytest.approx(0.0, abs=1e-6)
-    assert after(CHI, 3.6166) == pytest.approx(-1.481162, abs=1e-6)
-    for nu, before, plateau in ((0.0, 3.68, 0.3718), (0.22, 2.97, 0.4346), (0.3, 2.68, 0.4678), (0.5, 1.89, 0.5970)):
+    """Extremes and zeros of ψ₂ over ψ₁, by Poisson's ratio, its sign, and the largest −ψ₂/ψ₁."""
+    for nu, before, value in (
+        *((0.3, 0.4168, 0.050018), (0.3, 0.809919, 0.0), (0.3, 3.6166, -1.481162)),
+        *((0.0, 1.0558, 0.287933), (0.0, 1.626656, 0.0), (0.0, 4.6377, -1.554455), (0.5, 2.7547, -1.395205)),
+    ):
+        chi = 7.0 * (1.0 - nu) / (2.0 * (2.0 - nu))
+        assert after(chi, before) == pytest.approx(value, abs=1e-6)
+        if value != 0.0:
+            around = [after(chi, before + shift) for shift in (-0.01, 0.01)]
+            assert max(around) < value + 1e-6 if value > 0.0 else min(around) > value - 1e-6
+    assert all(after(CHI, before) < 0.0 for before in np.linspace(0.81, 4.0 * CHI - 1e-3, 60))
+    assert after(CHI, 0.809) > 0.0 and after(CHI, 4.0 * CHI + 1e-3) > 0.0
+    chi = 7.0 * 0.5 / (2.0 * 1.5)
+    assert all(after(chi, before) < 0.0 for before in (1e-6, 0.1, 1.0))
+    for nu, before, plateau in (
+        *((0.0, 3.68, 0.3718), (0.22, 2.97, 0.4346), (0.28, 2.75, 0.4588), (0.3, 2.68, 0.4678), (0.5, 1.89, 0.5970)),
+    ):
         chi = 7.0 * (1.0 - nu) / (2.0 * (2.0 - nu))
         assert -after(chi, before) / before == pytest.approx(plateau, abs=1e-4)
 

@@ -517,6 +517,19 @@ def test_a_rule_of_unloading_holds_for_the_law_of_the_scene_only(shown, tmp_path
     assert restitutions[1] < 0.9 and restitutions[::2] == pytest.approx([1.0, 1.0])
 
 
+def test_restitution_above_one_by_the_weight_says_so(shown, tmp_path):
+    ball = {"radius": "5 mm", "velocity": "1 um/s", "mass": "100 g", "material": "bearing steel"}
+    contact = {"law": "stronge", "yield_strength": "250 MPa"}
+    target = {"kind": "half-space", "material": "mild steel"}
+    scene = fm.Scene.from_table({"impactor": ball, "target": target, "contact": contact})
+    write_page(tmp_path / "impact.html", scene)
+    ((found, _),) = shown((tmp_path / "impact.html").as_uri()).evaluate(SUMMARIES, ["scene=scene&"])
+    (said,) = (text for text in fm.simulate(scene).warnings if text.startswith("restitution is "))
+    assert said.startswith("restitution is 816:") and "8.01e+05 times" in said
+    (on_page,) = (text for text in found["warnings"] if text.startswith("restitution is "))
+    assert "restitution is 816.0:" in on_page and "8.01e+5 times the impact energy" in on_page
+
+
 def test_waves_in_a_half_space_equal_python(shown, tmp_path):
     ball = {"radius": "5 mm", "velocity": "4 m/s", "material": "bearing steel"}
     write_page(

@@ -101,3 +101,42 @@ def test_a_law_that_gains_energy_is_told_on_targets_that_vibrate():
         assert history.accuracy.modes > 0
         assert (history.summary["coefficient_of_restitution"] > 1.0) is gains
         assert any("its unloading returns" in text for text in history.warnings) is gains
+
+
+def pressed(law, velocity, mass="100 g"):
+    """A ball so slow and heavy that its weight does the work of yielding; 250 MPa."""
+    ball = fm.Sphere("5 mm", velocity, mass=mass, material="bearing steel")
+    return fm.Scene(ball, fm.HalfSpace("mild steel"), fm.Contact(law, yield_strength="250 MPa"))
+
+
+@pytest.mark.parametrize(
+    ("law", "velocity", "mass"),
+    [("stronge", "1 um/s", "100 g"), ("yigit-christoforou", "1 um/s", "100 g"), ("big-alabo", "0.1 mm/s", "1 kg")],
+)
+def test_restitution_above_one_by_the_weight_says_so(law, velocity, mass):
+    """The ball rises from the dent with what the weight did on the way into it, which no contact created."""
+    base = pressed(law, velocity, mass)
+    with warnings.catch_warnings(record=True):
+        history = fm.simulate(base, accuracy=1e-8)
+    restitution, dent = (history.summary[name] for name in ("coefficient_of_restitution", "permanent_indentation"))
+    work, energy = base.mass * 9.80665 * dent, base.kinetic_energy
+    assert restitution > 10.0 and history.summary["energy_absorbed"] > 0.0
+    rise = restitution**2 * base.approach_velocity**2 / (2.0 * 9.80665)
+    assert rise < dent + base.approach_velocity**2 / (2.0 * 9.80665)  # lower than it came from
+    (said,) = (text for text in history.warnings if text.startswith("restitution is "))
+    assert f"restitution is {restitution:.4g}" in said
+    assert f"{work:.4g} J of work, {work / energy:.3g} times the impact energy" in said
+    for quiet in (base.replace({"impactor.velocity": "1 m/s"}), base.replace({"effects.gravity": False})):
+        with warnings.catch_warnings(record=True):
+            assert not [text for text in fm.simulate(quiet).warnings if text.startswith("restitution is ")]
+
+
+def test_restitution_above_one_by_the_weight_is_counted_in_batches_and_sweeps():
+    base, values = pressed("stronge", "1 um/s"), [f"{v:g} um/s" for v in (1.0, 10.0, 1e5, 1e6)]
+    batch = fm.simulate_batch(base, velocity=values)
+    above = batch.summary["coefficient_of_restitution"] > 1.0
+    swept = fd.sweep(base, {"impactor.velocity": values})
+    for said in (batch.warnings, swept.attrs["warnings"].splitlines()):
+        (sentence,) = (text for text in said if "restitution is above 1" in text)
+        assert sentence.startswith(f"in {np.count_nonzero(above)} impacts")
+    assert above.tolist() == [True, True, False, False]

@@ -23,7 +23,7 @@ from film_model.effects.edge_effects import edged, infinite_unless_judged
 from film_model.effects.many import rows_of
 from film_model.problem.problem import Problem, refuse_relaxation
 from film_model.problem.scales import Scales, motion_of
-from film_model.problem.summary import gains_energy
+from film_model.problem.summary import gains_energy, gains_from_weight
 from film_model.scene import DEFAULT_ACCURACY, Scene
 from film_model.scene.columns import scene_of_columns
 from film_model.solve.accuracy import mesh_of
@@ -61,7 +61,8 @@ class Impacts:
 
     summary: SI, by the names of film_model's summary, NaN where there is no value. status: keys of
     `film_model.base.errors.STATUSES`. law: numbers of `laws`, -1 for an impact that has none. gains_energy: whether the
-    unloading returned more energy than the loading stored. estimated: bound on the relative error of every value, NaN
+    unloading returned more energy than the loading stored. faster: whether the weight makes an impact leave faster than
+    it comes. estimated: bound on the relative error of every value, NaN
     for an impact that failed. friction: by the names of the schema; empty without friction.
     """
 
@@ -72,6 +73,7 @@ class Impacts:
     law: NDArray[np.int8]
     zener_number: Array
     gains_energy: NDArray[np.bool_]
+    faster: NDArray[np.bool_]
     estimated: Array
     friction: dict[str, NDArray[Any]]
     _problems: tuple[Problem, ...] = field(repr=False)
@@ -199,19 +201,21 @@ def simulate_impacts(scene: Scene, numbers: Mapping[str, Array]) -> Impacts:
     found = simulate_many(scene, numbers)
     law = np.full(found.status.size, -1, np.int8)
     zener_number = np.full(law.size, np.nan)
-    gains = np.zeros(law.size, np.bool_)
+    gains, faster = np.zeros(law.size, np.bool_), np.zeros(law.size, np.bool_)
     on_modes = found.on_modes
     law[on_modes] = found.law[on_modes]
     for problem in found.problems:
         index = index_or_all(rows_of(problem), law.size)
         law[index] = found.law[index]
         zener_number[index] = problem.impacts.zener
-        gains[index] = gains_energy(problem, found.summary["energy_absorbed"][index])
+        own = {name: found.summary[name][index] for name in ("coefficient_of_restitution", "energy_absorbed")}
+        gains[index] = gains_energy(problem, own["energy_absorbed"])
+        faster[index] = gains_from_weight(problem, own)
     friction, sliding = dict[str, NDArray[Any]](), found.oblique
     if sliding is not None:
         friction = {**sliding.summary, REGIME: sliding.regime, ERROR: sliding.estimated}
-    known = (scene, found.summary, found.status, found.laws, law, zener_number, gains, found.estimated, friction)
-    return Impacts(*known, found.problems, found.segments, found.followed)
+    known = (scene, found.summary, found.status, found.laws, law, zener_number, gains, faster)
+    return Impacts(*known, found.estimated, friction, found.problems, found.segments, found.followed)
 
 
 def sample_closed_form(scene: Scene, form: ClosedForm, units: Mapping[str, float], times: Array) -> dict[str, Array]:

@@ -7,6 +7,7 @@ Every formula serves one impact, with the core's structure native.Summary, and m
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from typing import Any
 
 from film_model.base.arrays import all_of, any_of, either, ratio, unwarned
@@ -44,6 +45,10 @@ COMPARED = (
     *("contact_duration", "permanent_indentation", "final_velocity", "work"),
 )
 """Values of the core's summary that :func:`difference` compares."""
+
+LEAST_GAIN = 1e-3
+"""Energy that an impact has more than before, over its own, below which it may be a numerical error: accuracies
+are seldom above 1e-3."""
 
 _SHOWN = {"final_velocity": "rebound_velocity", "work": "energy_absorbed"}  # the core's names → those of `SUMMARY`
 
@@ -160,11 +165,44 @@ def gains_energy(problem: Problem, absorbed: Any) -> Any:
     return absorbed < -1e-9 * (0.5 * problem.approach**2 * problem.scales.energy)
 
 
-def energy_warning(problem: Problem, summary: dict[str, float | None]) -> list[str]:
-    """A warning if the law gains energy."""
-    absorbed = summary["energy_absorbed"]
-    if absorbed is None or not gains_energy(problem, absorbed):
-        return []
+def gains_from_weight(problem: Problem, summary: Mapping[str, Any]) -> Any:
+    """Whether an impact leaves faster than it comes by the work of its weight, without what its law gains."""
+    pressed = problem.load > 0.0
+    if not any_of(pressed):
+        return pressed
     impact = 0.5 * problem.approach**2 * problem.scales.energy
-    share = f" ({-100 * absorbed / impact:.3g} % of the impact energy)" if impact > 0.0 else ""
-    return [f"law {problem.law.name}: its unloading returns {-absorbed:.4g} J{share} more than its loading stored"]
+    restitution, absorbed = summary["coefficient_of_restitution"], summary["energy_absorbed"]
+    gain = impact * (restitution * restitution - 1.0) + either(absorbed < 0.0, absorbed, 0.0)
+    return pressed & (gain > LEAST_GAIN * impact)
+
+
+def energy_warning(problem: Problem, summary: dict[str, float | None]) -> list[str]:
+    """A warning if the law gains energy, and one if the impact leaves faster than it comes by the work of its weight.
+
+    That work follows from the balance of energy: ½ m V² (e² − 1) and what the contact absorbs and the target takes.
+    """
+    absorbed, restitution = summary["energy_absorbed"], summary["coefficient_of_restitution"]
+    if absorbed is None:
+        return []
+    impact, said = 0.5 * problem.approach**2 * problem.scales.energy, list[str]()
+    if gains_energy(problem, absorbed):
+        share = f" ({-100 * absorbed / impact:.3g} % of the impact energy)" if impact > 0.0 else ""
+        said = [f"law {problem.law.name}: its unloading returns {-absorbed:.4g} J{share} more than its loading stored"]
+    if restitution is not None and gains_from_weight(problem, summary):
+        work = impact * (restitution**2 - 1.0) + absorbed + (summary["energy_radiated"] or 0.0)
+        times = f"{work:.4g} J of work, {work / impact:.3g} times the impact energy"
+        said.append(
+            f"restitution is {restitution:.4g}: contact ends below first touch, and on the way down to there the "
+            f"weight does {times}; it is no property of the contact"
+        )
+    return said
+
+
+def weight_warning(count: int) -> list[str]:
+    """The warning about restitution above 1 by the work of the weight, in so many of several impacts."""
+    if not count:
+        return []
+    return [
+        f"in {count} impacts restitution is above 1: contact ends below first touch, and on the way down to there the "
+        "weight does more work than is lost; it is no property of the contact"
+    ]

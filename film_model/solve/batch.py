@@ -21,7 +21,7 @@ from film_model.effects.law_range import law_warnings
 from film_model.effects.many import problems_of, rows_of
 from film_model.effects.plasticity import left_out
 from film_model.problem.problem import Problem
-from film_model.problem.summary import SUMMARY, gains_energy, summary_of
+from film_model.problem.summary import SUMMARY, gains_energy, gains_from_weight, summary_of, weight_warning
 from film_model.scene import SLOWEST, Scene, Solver, Sphere
 from film_model.solve.accuracy import solver_for
 from film_model.solve.many_meshes import march_many
@@ -106,16 +106,18 @@ class BatchResult:
     @cached_property
     def warnings(self) -> tuple[str, ...]:
         """Sentences about laws: energy gained, restitution that rises with velocity, depths outside their range, and
-        yielding that a law without it leaves out."""
-        said: list[str] = []
+        yielding that a law without it leaves out; and about restitution above 1 by the work of the weight."""
+        said, faster = list[str](), 0
         for problem in self._many.problems:
             rows = rows_of(problem)
-            gains = np.count_nonzero(gains_energy(problem, self._many.summary["energy_absorbed"][rows]))
+            own = {name: values[rows] for name, values in self._many.summary.items()}
+            faster += np.count_nonzero(gains_from_weight(problem, own))
+            gains = np.count_nonzero(gains_energy(problem, own["energy_absorbed"]))
             if gains:
                 said.append(
                     f"law {problem.law.name}: in {gains} impacts its unloading returns more energy than it stored"
                 )
-            said += law_warnings(problem, self._many.summary["maximum_indentation"][rows] / problem.scales.length)
+            said += law_warnings(problem, own["maximum_indentation"] / problem.scales.length)
             changes = left_out(problem)
             beyond = ~(changes <= problem.scene.effect_tolerance)
             if beyond.any():
@@ -124,7 +126,7 @@ class BatchResult:
                     f"not modelled: plasticity, which would change the summary by up to {most} "
                     f"in {np.count_nonzero(beyond)} of {rows.size} impacts; law {problem.law.name} does not yield"
                 )
-        return tuple(said)
+        return (*said, *weight_warning(faster))
 
 
 def _in_si(name: Literal["velocity", "mass"], values: Any) -> Array:

@@ -22,7 +22,7 @@ from film_datasets.schema import (
     has_failed,
     side_name,
 )
-from film_datasets.sweeps.block_columns import ENERGY_GAINS, ESTIMATED, MISSED, Columns
+from film_datasets.sweeps.block_columns import ENERGY_GAINS, ESTIMATED, FASTER, MISSED, Columns
 from film_datasets.sweeps.definition import Sweep
 from film_datasets.sweeps.designs import SAMPLED
 from film_datasets.sweeps.effect_warnings import effect_warnings, sweep_law_warnings
@@ -30,6 +30,7 @@ from film_model.base.errors import Status
 from film_model.core.modal import MOST_MEMORY
 from film_model.core.native import MAX_STAGES
 from film_model.laws import LAWS, AbstractLaw
+from film_model.problem.summary import weight_warning
 from film_model.solve.slopes import NO_DERIVATIVE
 from film_model.targets.sensors import sensor_words
 
@@ -45,7 +46,8 @@ class Totals:
     """What the attributes need of all blocks. estimated: largest error for each of `Sweep.accuracies`; missed: impacts
     that miss each. energy_gains: impacts of each of `Sweep.laws` that return more energy than their loading stored.
     failed: impacts that failed, by status. sides: by number of the scene, of how many impacts the derivatives are
-    from each side, failed impacts omitted. unkept: impacts that did not fail and whose motion is not kept."""
+    from each side, failed impacts omitted. unkept: impacts that did not fail and whose motion is not kept. faster:
+    impacts that leave faster than they come because of their weight."""
 
     estimated: NDArray[np.float64]
     missed: NDArray[np.int64]
@@ -53,6 +55,7 @@ class Totals:
     failed: Counter[int] = field(default_factory=Counter)
     sides: dict[str, Counter[int]] = field(default_factory=dict[str, "Counter[int]"])
     unkept: int = 0
+    faster: int = 0
 
     @classmethod
     def of(cls, sweep: Sweep) -> Totals:
@@ -66,6 +69,7 @@ class Totals:
         self.estimated = np.maximum(self.estimated, columns[ESTIMATED])
         self.missed += columns[MISSED]
         self.energy_gains += columns[ENERGY_GAINS]
+        self.faster += int(columns[FASTER][0])
         failed = has_failed(columns["status"])
         self.failed.update(columns["status"][failed].tolist())
         counts = [columns[name] for name in ("segment_count", "step_count") if name in columns]
@@ -81,6 +85,7 @@ class Totals:
         self.energy_gains += other.energy_gains
         self.failed.update(other.failed)
         self.unkept += other.unkept
+        self.faster += other.faster
         for path, sides in self.sides.items():
             sides.update(other.sides[path])
 
@@ -88,14 +93,15 @@ class Totals:
         """Plain values for a JSON file."""
         counters = {"failed": list(self.failed.items()), "sides": {k: list(v.items()) for k, v in self.sides.items()}}
         arrays = {name: getattr(self, name).tolist() for name in ("estimated", "missed", "energy_gains")}
-        return {**arrays, **counters, "unkept": self.unkept}
+        return {**arrays, **counters, "unkept": self.unkept, "faster": self.faster}
 
     @classmethod
     def from_plain(cls, plain: Mapping[str, Any]) -> Totals:
         """The totals that `to_plain` wrote."""
         missed, gains = (np.array(plain[name], np.int64) for name in ("missed", "energy_gains"))
         sides = {path: Counter(dict(found)) for path, found in plain["sides"].items()}
-        return cls(np.array(plain["estimated"]), missed, gains, Counter(dict(plain["failed"])), sides, plain["unkept"])
+        counts = Counter(dict(plain["failed"])), sides, plain["unkept"], plain["faster"]
+        return cls(np.array(plain["estimated"]), missed, gains, *counts)
 
 
 def variable_attributes(sweep: Sweep) -> list[tuple[Variable, dict[str, Any]]]:
@@ -172,6 +178,7 @@ def _warnings(sweep: Sweep, totals: Totals) -> list[str]:
     for law, count in zip(sweep.laws, totals.energy_gains.tolist(), strict=True):
         if count:
             warnings.append(f"law {law}: in {count} impacts its unloading returns more energy than its loading stored")
+    warnings += weight_warning(totals.faster)
     for accuracy, found, missed in zip(sweep.accuracies, totals.estimated, totals.missed.tolist(), strict=True):
         if missed:
             warnings.append(f"accuracy {accuracy:g} was not reached in {missed} impacts: estimated up to {found:.1e}")

@@ -22,14 +22,14 @@ from film_model.solve.history import MOTION
 from film_model.solve.slopes import NO_DERIVATIVE
 from film_model.targets.sensors import sensor_words
 
-ESTIMATED, MISSED, ENERGY_GAINS = "estimated", "missed", "energy_gains"
+ESTIMATED, MISSED, ENERGY_GAINS, FASTER = TOTALS = ("estimated", "missed", "energy_gains", "faster")
 """Columns besides the variables: the largest estimated error for each of `Sweep.accuracies`, the number of impacts that
-miss each, and the number of impacts of each of `Sweep.laws` whose unloading returns more energy than their loading
-stored."""
+miss each, the number of impacts of each of `Sweep.laws` whose unloading returns more energy than their loading
+stored, and the number of those that leave faster than they come because of their weight."""
 
 
 def compute_block(sweep: Sweep, block: Block) -> Columns:
-    """The columns of a block by the names of variables, impacts in C order; `ESTIMATED`, `MISSED`, `ENERGY_GAINS`."""
+    """The columns of a block by the names of variables, impacts in C order; and `TOTALS`."""
     return compute_impacts(sweep, sweep.values(block.first, block.count))
 
 
@@ -65,6 +65,7 @@ def _empty_columns(sweep: Sweep, count: int) -> Columns:
         ESTIMATED: np.zeros(len(sweep.accuracies)),
         MISSED: np.zeros(len(sweep.accuracies), np.int64),
         ENERGY_GAINS: np.zeros(len(sweep.laws), np.int64),
+        FASTER: np.zeros(1, np.int64),
     }
     for variable in sweep.variables[len(sweep.axes) :]:
         if variable.dims[: len(sweep.dims)] == sweep.dims:
@@ -107,6 +108,7 @@ def _put(
     columns[ESTIMATED][accuracy] = worst
     if wanted is not None and worst > wanted:
         columns[MISSED][accuracy] += np.count_nonzero(impacts.estimated > wanted)
+    columns[FASTER] += np.count_nonzero(impacts.faster)
     for number, law in enumerate(impacts.laws):
         own, place = impacts.law == number, sweep.laws.index(law)
         columns["law"][index[own]] = place

@@ -8,7 +8,7 @@ from pathlib import Path
 from film_datasets.files import ZARR
 from film_datasets.impacts import one_curve_per_impact
 from film_datasets.sweeps.block import Block
-from film_datasets.sweeps.block_columns import ENERGY_GAINS, ESTIMATED, MISSED, compute_block
+from film_datasets.sweeps.block_columns import TOTALS, compute_block
 from film_datasets.sweeps.block_writers import FILE_BLOCKS
 from film_datasets.sweeps.blocks import Blocks
 from film_datasets.sweeps.definition import Sweep
@@ -28,7 +28,7 @@ def disk_space(sweep: Sweep, blocks: Blocks, suffix: str) -> tuple[float, float]
         )  # of each, its description
         return output, saved + len(blocks) * size.once
     columns = compute_block(sweep, Block((), sweep.size // 2, SAMPLE))
-    arrays = {name: column for name, column in columns.items() if name not in (ESTIMATED, MISSED, ENERGY_GAINS)}
+    arrays = {name: column for name, column in columns.items() if name not in TOTALS}
     each = sweep.size / SAMPLE
     return packed(arrays, suffix) * each, sum(array.nbytes for array in arrays.values()) * each
 

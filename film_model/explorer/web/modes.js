@@ -296,6 +296,7 @@ function runOnModes(scene, n, problem, samples, slides) {
   const warnings = [...law.remarks];
   if (outcome.warning) warnings.push(outcome.warning);
   if (outcome.contacts > 1) warnings.push(`there are ${outcome.contacts} contacts: the contact duration is that of the first, the rebound that after the last`);
+  warnings.push(...energyWarnings(problem, summary));
   if (outcome.waited) warnings.push("the target still vibrates so far that it may touch the impactor again");
   CORE.top = outcome.end;
   const last = (outcome.events.at(-1)?.time ?? 0) / p.time;

@@ -325,6 +325,22 @@ function intervalsOf(scene, { n, choice: { problem }, summary }) {
   });
 }
 
+/** Warnings of film_model/problem/summary.py: energy that the law gains, and what the weight does. @param {Problem} problem @param {any} summary */
+function energyWarnings({ p, law }, { energy_absorbed: absorbed, energy_radiated: radiated, coefficient_of_restitution: restitution }) {
+  const impact = 0.5 * p.approach ** 2 * p.energy;
+  const warnings = [];
+  if (absorbed < -1e-9 * impact) {
+    const share = ((-100 * absorbed) / impact).toPrecision(3);
+    warnings.push(`law ${law.name}: its unloading returns more energy than its loading stored (${share} % of the impact energy)`);
+  }
+  const gain = impact * (restitution ** 2 - 1);
+  if (p.load > 0 && gain + Math.min(absorbed, 0) > DATA.constants.least_gain * impact) {
+    const work = gain + absorbed + (radiated || 0);
+    warnings.push(`restitution is ${restitution.toPrecision(4)}: contact ends below first touch, and on the way down to there the weight does ${work.toPrecision(4)} J of work, ${(work / impact).toPrecision(3)} times the impact energy; it is no property of the contact`);
+  }
+  return warnings;
+}
+
 /** One impact under decided effects. @param {Scene} scene @param {any} n @param {Problem} problem @param {number} samples @param {boolean} [slides] with friction */
 function run(scene, n, problem, samples, slides = false) {
   if (problem.vibrates) return runOnModes(scene, n, problem, samples, slides);
@@ -333,12 +349,7 @@ function run(scene, n, problem, samples, slides = false) {
   const record = recorded(problem, solver.linearisation, mesh.counts);
   const { p, law } = problem;
   const summary = summaryOf(scene, p, record.core, n);
-  const warnings = mesh.warning ? [...law.remarks, mesh.warning] : [...law.remarks];
-  const impact = 0.5 * p.approach ** 2 * p.energy;
-  if (summary.energy_absorbed < -1e-9 * impact) {
-    const share = ((-100 * summary.energy_absorbed) / impact).toPrecision(3);
-    warnings.push(`law ${law.name}: its unloading returns more energy than its loading stored (${share} % of the impact energy)`);
-  }
+  const warnings = [...law.remarks, ...(mesh.warning ? [mesh.warning] : []), ...energyWarnings(problem, summary)];
   const ends = [record.times.at(-1) || record.end, ...record.times];
   const sample = (/** @type {Float64Array} */ times) => CORE.sample(problem.curve, record, times);
   const motion = sampledAt(scene, problem, ends, samples, sample);

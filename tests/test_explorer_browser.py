@@ -517,6 +517,23 @@ def test_a_rule_of_unloading_holds_for_the_law_of_the_scene_only(shown, tmp_path
     assert restitutions[1] < 0.9 and restitutions[::2] == pytest.approx([1.0, 1.0])
 
 
+def test_intervals_of_glass_that_may_crack_equal_python(shown, tmp_path):
+    ball = {"radius": "5 mm", "velocity": "1 m/s", "material": "bearing steel"}
+    kinds = set[bool]()
+    for target in ("soda-lime glass", "fused silica", "ice"):
+        write_page(
+            tmp_path / "impact.html",
+            fm.Scene.from_table({"impactor": ball, "target": {"kind": "half-space", "material": target}}),
+        )
+        fragments = [f"scene=scene&impactor.velocity={speed}" for speed in (0.0001, 0.01, 0.3, 1, 20)]
+        window = shown((tmp_path / "impact.html").as_uri())
+        for found, text in window.evaluate(SUMMARIES, fragments):
+            said = {interval["name"]: interval["evidence"] for interval in found["intervals"]}
+            assert said == simulated(fm.Scene.from_text(text), found)[0].evidence
+            kinds |= {"brittle" in evidence for evidence in said.values()}
+    assert kinds == {True, False}
+
+
 def test_restitution_above_one_by_the_weight_says_so(shown, tmp_path):
     ball = {"radius": "5 mm", "velocity": "1 um/s", "mass": "100 g", "material": "bearing steel"}
     contact = {"law": "stronge", "yield_strength": "250 MPa"}

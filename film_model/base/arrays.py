@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from contextlib import AbstractContextManager, nullcontext
-from functools import lru_cache
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -152,9 +151,3 @@ def largest(x: Any) -> float:
     if isinstance(x, np.ndarray):
         return float(np.nanmax(x, initial=0.0))
     return x if x > 0.0 else 0.0
-
-
-@lru_cache(maxsize=256)
-def interpolated(x: float, at: tuple[float, ...], values: tuple[float, ...]) -> float:
-    """A table's value at x, linear between its rows; kept, because few values of Poisson's ratio occur."""
-    return float(np.interp(x, at, values))

@@ -3,26 +3,15 @@
 from __future__ import annotations
 
 import math
-from typing import cast
 
-from film_model.base.arrays import interpolated
 from film_model.base.materials import Material
 from film_model.base.units import format_si
 from film_model.effects.case import YIELDS, Case, Rule
 from film_model.effects.effect import Effect
 from film_model.laws.damping import LOSS_SLOPE, loss_restitution
 from film_model.laws.hertz import hertz_stiffness
-from film_model.problem.stresses import contact_radius, edge_tension
-
-RING_CRACK = (
-    (0.0, 0.1, 0.2, 0.25, 0.3, 0.35, 0.4),
-    (-4.0125, -4.6667, -5.5099, -6.0452, -6.7017, -7.5505, -8.7511),
-)
-"""Poisson's ratio, and ln ψ: K² = F² ψ/(π² a³) of the ring crack around a contact that F drives most. K is the integral
-2 √(c/π) ∫ σ_r g dz/√(c² − z²) with Huber's stress and g = 1.3 − 0.3 (z/c)^1.25 of an edge crack."""
-
-BRITTLE = ("crushing_strength", "fracture_toughness", "tensile_strength")
-"""Entries of a brittle material, of which the first that it has is judged."""
+from film_model.problem.brittle import BRITTLE, bodies, factors, failure, own_radius
+from film_model.problem.stresses import edge_tension
 
 _BRITTLE = f"{', '.join(BRITTLE[:-1])} or {BRITTLE[-1]}"
 
@@ -115,18 +104,13 @@ def heating(case: Case, rule: Rule) -> Effect:
     steel_heat = 3.6e6  # of steel per volume, J/(m³ K): 460 J/(kg K) at 7850 kg/m³
     if case.fraction <= YIELDS:
         return rule.absent("nothing yields")
-    value = case.fraction * case.energy / (2.0 / 3.0 * math.pi * _own_radius(case) ** 3)
+    radius = own_radius(case.problem, case.force, case.indentation)
+    value = case.fraction * case.energy / (2.0 / 3.0 * math.pi * radius**3)
     rise = value / steel_heat
     why = f"the plastic work would heat steel under the contact by {rise:.2g} K"
     if rise > hot:
         return rule.failing(f"{why}: the strength falls, and some metals melt", value, hot * steel_heat)
     return rule.unjudged(f"{why}; how much this softens the material is unknown", value)
-
-
-def _own_radius(case: Case) -> float:
-    """Contact radius at the largest force, m; Hertz's if no other is known."""
-    radius, _ = contact_radius(case.problem.impacts, case.force, case.indentation)
-    return case.contact_radius if math.isnan(radius) else float(radius)
 
 
 def fracture(case: Case, rule: Rule) -> Effect:
@@ -143,15 +127,14 @@ def fracture(case: Case, rule: Rule) -> Effect:
     What a crack absorbs is unknown.
     """
     scene = case.scene
-    bodies = {"impactor": scene.impactor.material, "target": scene.target.material}
-    given = [m for m in bodies.values() if m is not None]
-    brittle = [m for m in given if any(getattr(m, name) is not None for name in BRITTLE)]
+    brittle = bodies(scene)
     if not brittle:
-        unknown = [f"{part}.material" for part, m in bodies.items() if m is None or m.initial_strength is None]
+        given = {"impactor": scene.impactor.material, "target": scene.target.material}
+        unknown = [f"{part}.material" for part, m in given.items() if m is None or m.initial_strength is None]
         if unknown:
             return rule.unjudged(f"missing: {_BRITTLE} of " + " and ".join(unknown))
         return rule.absent(f"no body is brittle: none has a {_BRITTLE}")
-    radius = _own_radius(case)
+    radius = own_radius(case.problem, case.force, case.indentation)
     indicator, value, why, then = max((_failing(body, case, radius) for body in brittle), key=lambda found: found[1])
     rule = rule._replace(indicator=indicator)
     if value <= 1.0:
@@ -162,11 +145,10 @@ def fracture(case: Case, rule: Rule) -> Effect:
 def _failing(body: Material, case: Case, radius: float) -> tuple[str, float, str, str]:
     """Indicator of a brittle body's failure, its value (1: it fails), a sentence, and what happens above 1."""
     crushed = 3.0  # mean pressure that crushed material is taken to bear below a ball, over its uniaxial strength
-    name = body.name or "the brittle body"
+    name, value = body.name or "the brittle body", float(failure(factors(body), case.force, radius))
     if body.crushing_strength is None:
-        return *_cracking(body, name, case.force, radius), "it may crack"
+        return *_cracking(body, name, case.force, radius, value), "it may crack"
     pressure = case.force / (math.pi * radius**2)
-    value = pressure / body.crushing_strength
     why = (
         f"the mean pressure, {format_si(pressure, 'pressure', 3)}, is {value:.3g} times the crushing strength of {name}"
     )
@@ -180,16 +162,13 @@ def _failing(body: Material, case: Case, radius: float) -> tuple[str, float, str
     return "mean pressure/crushing strength", value, why, then
 
 
-def _cracking(body: Material, name: str, force: float, radius: float) -> tuple[str, float, str]:
+def _cracking(body: Material, name: str, force: float, radius: float, value: float) -> tuple[str, float, str]:
     """Indicator of a crack in a brittle body, its value (1: it may crack), and a sentence."""
     if body.fracture_toughness is not None:
-        shape = math.exp(interpolated(body.poissons_ratio, *RING_CRACK))
-        value = force**2 * shape / (math.pi**2 * radius**3 * body.fracture_toughness**2)
         least = format_si(force / value, "force", 2)
         why = f"the force is {value:.3g} times the least that can crack {name}, {least} (Auerbach's law)"
         return "force/least force of a crack", value, why
     stress = edge_tension(body.poissons_ratio, 1.5 * force / (math.pi * radius**2))
-    value = stress / cast("float", body.tensile_strength)
     why = (
         f"the tensile stress at the edge of the contact, {format_si(stress, 'pressure', 3)}, is {value:.3g} times the "
         f"strength of {name}, though small contacts bear more (give its fracture_toughness)"

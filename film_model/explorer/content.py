@@ -35,7 +35,16 @@ from film_model.plot import strobe
 from film_model.plot.style import COLOURS
 from film_model.problem.families import TERMS, mean_matrix, series_matrix
 from film_model.problem.law_of_scene import DAMPED, ELASTIC, YIELDING
-from film_model.problem.model_intervals import COVERED, KINDS, LARGEST, POLYMER, evidence, missing, residuals_of
+from film_model.problem.model_intervals import (
+    BRITTLE,
+    COVERED,
+    KINDS,
+    LARGEST,
+    POLYMER,
+    evidence,
+    missing,
+    residuals_of,
+)
 from film_model.problem.problem import TRIAL_SEGMENTS
 from film_model.problem.summary import COMPARED, LEAST_GAIN, SUMMARY
 from film_model.scene import DEFAULT_ACCURACY, DEFAULT_TOLERANCE, Scene, Sphere
@@ -302,6 +311,7 @@ def _constants() -> dict[str, Any]:
         **{"sure": SURE, "settled": SETTLED, "most_rounds": MOST_ROUNDS},
         **{"yields": YIELDS, "agreement": AGREEMENT, "accuracy": DEFAULT_ACCURACY, "tolerance": DEFAULT_TOLERANCE},
         **{"elastic": ELASTIC, "yielding": YIELDING, "damped": DAMPED, "polymer": KINDS.index(POLYMER)},
+        "brittle": KINDS.index(BRITTLE),
         **{"least_restitution": LEAST_RESTITUTION, "least_gain": LEAST_GAIN},
         **{"most_weight": MOST_WEIGHT, "not_modelled": NOT_MODELLED, "compared": COMPARED},
         "vibration": support.constants(),

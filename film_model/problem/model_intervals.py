@@ -16,6 +16,7 @@ from typing import Any, NamedTuple, TypeAlias
 from film_model.base.arrays import either, root
 from film_model.base.units import format_si
 from film_model.laws.yielding import yield_point
+from film_model.problem.brittle import fails
 from film_model.problem.law_of_scene import ELASTIC
 from film_model.problem.law_of_scene import YIELDING as YIELDS
 from film_model.problem.problem import Problem
@@ -50,13 +51,14 @@ SLOW = {name: f"{name}{_SLOW}" for name in _KNOWN}
 """Families → those of the same impacts without a rate law of the material that yields: rates raise the strength of
 steel, and of some metals hardly, so that intervals of these hold what is computed with a rate law, too."""
 
-POLYMER, ADHESIVE = "polymer", "adhesive"
+POLYMER, BRITTLE, ADHESIVE = "polymer", "brittle", "adhesive"
 _COMPLETE = "with complete conditions"
 
 FAMILIES = (
     {
         "elastic": "elastic contacts, of glass and alumina that did not crack",
         POLYMER: f"polymers {_COMPLETE}",
+        BRITTLE: "brittle contacts that may crush or crack",
         ADHESIVE: f"contacts that adhere {_COMPLETE}",
     }
     | _KNOWN
@@ -64,8 +66,12 @@ FAMILIES = (
 )
 """Families of impacts → in words; "yielding" pools the two before it."""
 
-KINDS = ("elastic", BELOW, ABOVE, SLOW[BELOW], SLOW[ABOVE], POLYMER)
-"""Families under law "auto", by the approach velocity over the yield velocity, the rate law and the stiffness."""
+KINDS = ("elastic", BELOW, ABOVE, SLOW[BELOW], SLOW[ABOVE], POLYMER, BRITTLE)
+"""Families under law "auto", by the approach velocity over the yield velocity, the rate law and the stiffness; the last
+where a body crushes or may crack."""
+
+ASKED = (*KINDS, ADHESIVE)
+"""Families of which an impact is asked for measurements."""
 
 POOLED = {
     YIELDING: (BELOW, ABOVE),
@@ -113,7 +119,7 @@ def yield_velocities(scene: Scene) -> Any:
 
 
 def family_number(scene: Scene) -> Any:
-    """The place in `KINDS` of each impact of a scene."""
+    """The place in `KINDS` of each impact of a scene, as if nothing crushes or cracks."""
     modulus, ratio, slow = scene.effective_modulus, yield_velocities(scene), 2
     if scene.rate_hardening is not None:  # where it is unknown, C is nan, on the page infinite
         coefficient, slowness, _ = scene.rate_hardening
@@ -127,24 +133,30 @@ def family_of(scene: Scene) -> str:
     return KINDS[family_number(scene)]
 
 
-def _family(problem: Problem) -> str | None:
-    """The family of an impact; None where measurements are not asked for.
+def asked_number(problem: Problem) -> Any:
+    """The place in `ASKED` of one impact or many; -1 where measurements are not asked for.
 
     They are of what law "auto" takes for impacts of this kind, on bodies that do not move but by waves in a half-space,
     vibrate or creep, with rate hardening if its law is known; and of laws that pull.
     """
-    scene = problem.scene
-    if problem.free or (problem.gamma > 0.0 and scene.target.gives_way) or problem.vibrates or not scene.is_round:
-        return None
+    base, scene = problem.scene, problem.impacts.scene
+    if problem.free or problem.vibrates or not base.is_round:
+        return -1
+    number: Any = -1
     if problem.curve.pulls:
-        return ADHESIVE
-    if scene.contact.law != "auto" or scene.effects.rate_hardening is False:
-        return None
-    family = family_of(scene)
-    if family == POLYMER:
-        return family
-    took = problem.relaxation is None and problem.law.name == (ELASTIC if family == "elastic" else YIELDS)
-    return family if took else None
+        number = ASKED.index(ADHESIVE)
+    elif base.contact.law == "auto" and base.effects.rate_hardening is not False:
+        family, polymer = family_number(scene), KINDS.index(POLYMER)
+        elastic, yields = (problem.relaxation is None and problem.law.name == law for law in (ELASTIC, YIELDS))
+        took = (family == polymer) | ((family == 0) & elastic) | ((family != 0) & yields)
+        number = either(took, either(fails(problem), KINDS.index(BRITTLE), family), -1)
+    return either((problem.gamma > 0.0) & scene.target.gives_way, -1, number)
+
+
+def _family(problem: Problem) -> str | None:
+    """The family of one impact; None where measurements are not asked for."""
+    number = asked_number(problem)
+    return None if number < 0 else ASKED[number]
 
 
 def no_interval(problem: Problem, name: str) -> str:

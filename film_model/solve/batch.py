@@ -111,7 +111,7 @@ class BatchResult:
         for problem in self._many.problems:
             rows = rows_of(problem)
             own = {name: values[rows] for name, values in self._many.summary.items()}
-            faster += np.count_nonzero(gains_from_weight(problem, own))
+            faster += int(np.count_nonzero(gains_from_weight(problem, own)))
             gains = np.count_nonzero(gains_energy(problem, own["energy_absorbed"]))
             if gains:
                 said.append(

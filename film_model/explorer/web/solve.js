@@ -313,9 +313,11 @@ function summaryOf(scene, p, core, n) {
 function intervalsOf(scene, { n, choice: { problem }, summary }) {
   const decided = scene.law === "auto" && scene.effects.rate_hardening !== false;
   if (!decided || scene.base.free || !problem || problem.vibrates || (problem.p.gamma > 0 && n.impedance < Infinity)) return [];
-  const { elastic, yielding, polymer } = DATA.constants;
+  const { elastic, yielding, polymer, brittle } = DATA.constants;
   if (n.family !== polymer && problem.law.name !== (n.family === 0 ? elastic : yielding)) return [];
-  const known = (DATA.intervals[n.family] ?? []).filter((/** @type {any} */ { name, missing }) => missing || summary[name] > 0);
+  const { maximum_force: force, contact_radius: radius } = summary;
+  const fails = Math.max(n.pressing / radius ** 2, (n.cracking * force) / radius ** 3) * force > 1;
+  const known = DATA.intervals[fails ? brittle : n.family].filter((/** @type {any} */ { name, missing }) => missing || summary[name] > 0);
   return known.map((/** @type {any} */ { name, low, high, most, up_to: reach, largest, covered, evidence, missing }) => {
     if (missing) return { name, evidence: missing };
     const [least, greatest] = [low, high].map((residual) => Math.min(summary[name] * Math.exp(residual), largest ?? Infinity));

@@ -159,6 +159,56 @@ def test_without_evidence_there_is_no_interval():
     assert fm.simulate(bodies).intervals == {}
 
 
+@pytest.mark.filterwarnings("ignore::film_model.ImpactWarning")
+def test_contacts_that_crush_or_crack_have_no_interval():
+    ice = fm.Scene(fm.Sphere("20 mm", velocity="99 m/s", material="ice"), fm.HalfSpace("aluminium"))
+    glass = fm.Scene(fm.Sphere("5 mm", velocity="1 m/s", material="bearing steel"), fm.HalfSpace("soda-lime glass"))
+    for broken in (ice, glass, fm.Scene(glass.impactor, fm.HalfSpace("fused silica"))):
+        history = fm.simulate(broken)
+        assert next(e.value for e in history.effects if e.name == "fracture") > 1.0
+        said = "no interval: 0 measurements of brittle contacts that may crush or crack, 9 are needed"
+        assert history.intervals == {} and history.evidence == {E: said}
+    whole = fm.simulate(glass.replace({"impactor.velocity": "0.01 m/s"}))
+    assert next(e.value for e in whole.effects if e.name == "fracture") < 1.0 and E in whole.intervals
+
+
+@pytest.mark.filterwarnings("ignore::film_model.ImpactWarning")
+def test_a_sweep_has_the_intervals_of_its_impacts():
+    """Each as alone: of steel and glass by velocity, of a law of which none is asked for, of one that adheres."""
+    speeds = ["1 mm/s", "0.05 m/s", "0.3 m/s", "2 m/s", "20 m/s"]
+    material = ["mild steel", "soda-lime glass", "PMMA"]
+    over = {"impactor.velocity": speeds, "target.material": material, "contact.law": ["auto", "hertz"]}
+    ball = fm.Scene(fm.Sphere("5 mm", velocity="1 m/s", material="bearing steel"), fm.HalfSpace("mild steel"))
+    sticky = ball.replace({"contact.law": "jkr", "contact.work_of_adhesion": "0.1 J/m^2"})
+    vibrates = fm.Scene(ball.impactor, fm.Plate("mild steel", thickness="3 mm", size=["300 mm", "300 mm"]))
+    kinds = set()
+    for base, axes in (
+        (ball, over),
+        (sticky, {"impactor.velocity": speeds}),
+        (vibrates, {"impactor.velocity": speeds}),
+    ):
+        ds = fd.sweep(base, axes)
+        found = ds.film.intervals()
+        words = found["family"].attrs["flag_meanings"].split()
+        said = dict(line.split(": ", 1) for line in found[f"{E}_low"].attrs["evidence"].split("\n"))
+        for place in np.ndindex(*ds["status"].shape):
+            where = dict(zip(ds["status"].dims, place, strict=True))
+            own, history = found.isel(where), fm.simulate(ds.isel(where).film.scene())
+            kind = words[int(own["family"]) + 1]
+            kinds.add(kind)
+            assert said.get(kind, "").split(";")[0] == history.evidence.get(E, "").split(";")[0]
+            interval = history.intervals.get(E)
+            ends = [math.nan] * 2 if interval is None else [interval.low, interval.high]
+            assert [float(own[f"{E}_{end}"]) for end in ("low", "high")] == pytest.approx(ends, rel=1e-3, nan_ok=True)
+    assert kinds == {"none", "elastic", "yielding_below_50", "yielding_above_50", "polymer", "brittle", "adhesive"}
+    assert fd.validate(ds) == []
+    one = fd.sweep(ball, {"impactor.velocity": speeds}).isel(impactor_velocity=3)
+    low, high = (float(one.film.intervals()[f"{E}_{end}"]) for end in ("low", "high"))
+    assert low < float(one[E]) <= high
+    with pytest.raises(ValueError, match="is no sweep"):
+        fm.simulate(ball).to_dataset().film.intervals()
+
+
 def test_json_text_html_and_dataset_have_it(tmp_path, capsys):
     path = tmp_path / "scene.toml"
     path.write_text(scene().to_toml(), "utf-8")

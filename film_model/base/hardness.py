@@ -1,8 +1,9 @@
 """Hardness numbers: HV, HB (HBW) and HRC, read as the mean contact pressure over the projected area, Pa.
 
 Vickers: load over the area of the facets, 1 HV = 9.80665 MPa; the projected area is 0.927 (sin 68°) of it. Brinell and
-Rockwell C by tables of ISO 18265 (annex A, unalloyed and low-alloy steels), with `CONVERSION_SCATTER`. For other metals
-give HV: Brinell numbers of aluminium with 500 kgf, for instance, are about 13 % below HV instead of 5 %.
+Rockwell C by tables of ISO 18265 (annex A, unalloyed and low-alloy steels), ±5 %: ±2 HRC or ±20 HV are common between
+steels of one number. For other metals give HV: Brinell numbers of aluminium with 500 kgf, for instance, are about 13 %
+below HV instead of 5 %.
 """
 
 from __future__ import annotations
@@ -17,10 +18,6 @@ from film_model.base.units import to_si
 
 VICKERS = 9.80665e6 / 0.927
 """Mean pressure over the projected area of 1 HV, Pa."""
-
-CONVERSION_SCATTER = 0.05
-"""Relative scatter of HV converted from HB or HRC: ±2 HRC or ±20 HV are common between steels of one number."""
-
 LEAST_ROCKWELL, MOST_ROCKWELL = 20.0, 68.0
 
 _ROCKWELL_C = (

@@ -61,7 +61,7 @@ class Material(InUnits):
 
     hardness: "600 HV", "200 HB", "60 HRC" or a pressure; stored as the mean pressure over the projected area, Pa. Laws
     then take hardness/2.8, ±15 %, as the strength, instead of the yield strength. HB and HRC are converted as for
-    steels, ±5 %.
+    steels, a further ±5 %, which outputs do not repeat, since they have the pressure alone.
 
     strain_hardening_exponent: n of the flow stress Y (1 + E ε/Y)^n. strength_coefficient: B of Johnson and Cook's flow
     stress A + B ε^m, Pa, whose A is the yield strength, in place of n. strength_exponent: m of this stress.

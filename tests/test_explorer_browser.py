@@ -526,6 +526,7 @@ def test_intervals_of_glass_that_may_crack_equal_python(shown, tmp_path):
             fm.Scene.from_table({"impactor": ball, "target": {"kind": "half-space", "material": target}}),
         )
         fragments = [f"scene=scene&impactor.velocity={speed}" for speed in (0.0001, 0.01, 0.3, 1, 20)]
+        fragments.append(f"{fragments[-1]}&target.material=another")
         window = shown((tmp_path / "impact.html").as_uri())
         for found, text in window.evaluate(SUMMARIES, fragments):
             said = {interval["name"]: interval["evidence"] for interval in found["intervals"]}

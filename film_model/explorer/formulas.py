@@ -14,7 +14,7 @@ from typing import Any, ClassVar, cast
 import numpy as np
 from numpy.polynomial import chebyshev
 
-from film_model.base.arrays import either, greater, logarithm
+from film_model.base.arrays import either, logarithm
 from film_model.base.flow_stress import contradicts, flow_of_hardness, yield_of_flow
 from film_model.base.materials import Material, sphere_mass
 from film_model.base.rate_law import RateHardening
@@ -31,7 +31,7 @@ from film_model.laws.example_ball import example_ball
 from film_model.laws.law import AbstractLaw, Stage, law_fields
 from film_model.laws.yielding import yield_velocity
 from film_model.oblique.friction import exact_error, numbers_of, results
-from film_model.problem.brittle import bodies, factors
+from film_model.problem.brittle import factors
 from film_model.problem.curve import Curve
 from film_model.problem.families import EDGES, varying
 from film_model.problem.fit import functions_of
@@ -105,8 +105,8 @@ def numbers_function(name: str, template: Scene, paths: Sequence[str]) -> str:
     outputs["waves"], outputs["waves_yielding"] = (wave_losses.impedance_of(scene, yields) for yields in (False, True))
     outputs["largest_force"] = wave_losses.largest_force(scene)
     outputs |= {"family": family_number(scene), "yield_velocities": yield_velocities(scene)}
-    pairs = [factors(body) for body in bodies(scene)] or [(0.0, 0.0)]
-    outputs["pressing"], outputs["cracking"] = map(greater, pairs[0], pairs[-1])
+    for body in ("impactor", "target"):
+        outputs[f"pressing_{body}"], outputs[f"cracking_{body}"] = factors(getattr(scene, body).material)
     rate = [math.nan] * len(RATE_LAW) if scene.rate_hardening is None else scene.rate_hardening
     outputs |= dict(zip(RATE_LAW, rate, strict=True))
     outputs["yield_velocity"] = math.nan

@@ -33,12 +33,14 @@ def bodies(scene: Scene) -> list[Material]:
     return [m for m in given if m is not None and any(getattr(m, name) is not None for name in BRITTLE)]
 
 
-def factors(body: Material) -> tuple[Any, Any]:
+def factors(body: Material | None) -> tuple[Any, Any]:
     """What F/a² [1/Pa] and F²/a³ [1/(Pa² m)] are multiplied by for the indicator of a brittle body: 1 where it fails.
 
     F the largest force, a the contact radius. Of F/a²: mean pressure over crushing_strength, or tension at the edge
-    over tensile_strength; of F²/a³: K² of a ring crack over that of fracture_toughness.
+    over tensile_strength; of F²/a³: K² of a ring crack over that of fracture_toughness. 0 of other bodies.
     """
+    if body is None:
+        return 0.0, 0.0
     if body.crushing_strength is not None:
         return 1.0 / (math.pi * body.crushing_strength), 0.0
     if body.fracture_toughness is not None:
@@ -48,7 +50,8 @@ def factors(body: Material) -> tuple[Any, Any]:
             step = (values[k + 1] - values[k]) / (high - low)
             logarithm = logarithm + step * (greater(lesser(x, high), low) - low)
         return 0.0, exponential(logarithm) / (math.pi * body.fracture_toughness) ** 2
-    return edge_tension(body.poissons_ratio, 1.5 / math.pi) / body.tensile_strength, 0.0
+    strength = body.tensile_strength
+    return 0.0 if strength is None else edge_tension(body.poissons_ratio, 1.5 / math.pi) / strength, 0.0
 
 
 def failure(of: tuple[Any, Any], force: Any, radius: Any) -> Any:

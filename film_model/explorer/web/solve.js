@@ -316,7 +316,11 @@ function intervalsOf(scene, { n, choice: { problem }, summary }) {
   const { elastic, yielding, polymer, brittle } = DATA.constants;
   if (n.family !== polymer && problem.law.name !== (n.family === 0 ? elastic : yielding)) return [];
   const { maximum_force: force, contact_radius: radius } = summary;
-  const fails = Math.max(n.pressing / radius ** 2, (n.cracking * force) / radius ** 3) * force > 1;
+  const { materials: given } = sceneOf(scene.base); // another material has no entries of brittle ones
+  const fails = ["impactor", "target"].some((body) => {
+    const indicator = (n[`pressing_${body}`] / radius ** 2 + (n[`cracking_${body}`] * force) / radius ** 3) * force;
+    return indicator > 1 && scene.materials[body] === given[body];
+  });
   const known = DATA.intervals[fails ? brittle : n.family].filter((/** @type {any} */ { name, missing }) => missing || summary[name] > 0);
   return known.map((/** @type {any} */ { name, low, high, most, up_to: reach, largest, covered, evidence, missing }) => {
     if (missing) return { name, evidence: missing };

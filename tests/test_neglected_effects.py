@@ -14,8 +14,8 @@ from film_model.cli.main import main
 from film_model.effects import elastic_ball
 from film_model.effects.choose import choose
 from film_model.effects.effect import NOT_JUDGED, NOT_MODELLED, NOT_NEEDED, SIMULATED
-from film_model.effects.material_rules import RING_CRACK
 from film_model.effects.surroundings import terminal_velocity
+from film_model.problem.brittle import RING_CRACK
 
 STEEL = {"youngs_modulus": "210 GPa", "poissons_ratio": 0.3, "density": "7850 kg/m^3"}
 RIGID = {"youngs_modulus": "99 TPa", "poissons_ratio": 0.3, "density": "7850 kg/m^3"}
@@ -341,6 +341,32 @@ def test_the_drag_of_a_fall():
     lands.terminal = True
     end = integrate.solve_ivp(slowed, (0, 10), [0.0, 0.0], events=lands, rtol=1e-9, atol=1e-9).y[1, -1]
     assert effect_of(middle, "air_drag").change == pytest.approx(1 - end**2 / (2 * weight * 20), rel=1e-5)
+
+
+@pytest.mark.parametrize(("radius", "off"), [(0.5e-3, 0.04), (2e-3, 3e-3), (10e-3, 1e-6)])
+def test_a_fall_with_the_drag_at_each_velocity_is_as_fast(radius, off):
+    """Integrated over the height, with the drag coefficient of the Reynolds number on the way; and hail with 0.6."""
+    for density in (917.0, 7850.0):
+        mass = density * 4 / 3 * math.pi * radius**3
+
+        def at_end(height, coefficient, mass=mass):
+            def slowed(_, energy):
+                speed = math.sqrt(2 * max(energy[0], 1e-12))
+                drag = 0.5 * 1.204 * coefficient(2 * 1.204 * radius * speed / 1.813e-5) * math.pi * radius**2 * speed**2
+                return [9.80665 - drag / mass]
+
+            way = integrate.solve_ivp(slowed, (0, height), [1e-8], method="LSODA", rtol=1e-9, atol=1e-12)
+            return math.sqrt(2 * way.y[0, -1])
+
+        final = terminal_velocity(mass, radius)
+        for height in (1.0, 10.0, 500.0):
+            found = final * math.sqrt(-math.expm1(-2 * 9.80665 * height / final**2))
+            newton = at_end(height, lambda re: max(24 / re * (1 + 0.15 * re**0.687), 0.44))
+            assert found == pytest.approx(newton, rel=off)
+        if density == 917.0 and radius == 10e-3:
+            assert found == pytest.approx(21.3, abs=0.05) and at_end(500.0, lambda _: 0.6) == pytest.approx(
+                18.2, abs=0.05
+            )
 
 
 def test_surface_energies_bound_the_adhesion_of_small_balls():

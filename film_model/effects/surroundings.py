@@ -18,7 +18,9 @@ def air_drag(case: Case, rule: Rule) -> Effect:
         v² = v_t² (1 − exp(−2 g h/v_t²)),  v_t² = 2 m g/(ρ C_d π R²)
         C_d = (24/Re) (1 + 0.15 Re^0.687),  at least 0.44    smooth sphere in air at 20 °C (Schiller & Naumann 1933)
 
-    The change is that of the impact energy, against the scene's velocity √(2 g h).
+    The change is that of the impact energy, against the scene's velocity √(2 g h). C_d is that at v_t on the whole way:
+    v is within 4 % of the fall with C_d at each velocity from R = 0.5 mm, and 0.3 % from 2 mm. Rough bodies fall more
+    slowly: with C_d = 0.6 a hailstone of 20 mm lands at 18 instead of 21 m/s.
     """
     ball, height = case.scene.impactor, case.scene.impactor.drop_height
     if height is None:

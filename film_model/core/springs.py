@@ -65,19 +65,22 @@ def energy(state: Springs) -> float:
 
 
 def impact(
-    count: int, numbers: Sequence[float], friction: Array, step: float, force: Array, radius: Array
+    count: int, numbers: Sequence[float], friction: Array, step: Any, force: Array, radius: Array, begins: Any = 0.0
 ) -> tuple[Impact | None, Array]:
-    """An impact in a multiple of 4 steps of a time, and over it the sliding velocity, the friction force and the
-    radius inside which all sticks, (times, 3); no impact for numbers out of range.
+    """An impact of one or several contacts, each in the same multiple of 4 steps, and over it the sliding velocity, the
+    friction force and the radius inside which all sticks, (times, 3); no impact for numbers out of range.
 
-    numbers: modulus, power, mass and velocity. friction: pairs of speed and coefficient, (pairs, 2). force, radius:
-    before the first step and after each.
+    numbers: modulus, power, mass and velocity. friction: pairs of speed and coefficient, (pairs, 2). step, begins: time
+    of a step of each contact, and where it begins. force, radius: before the first step of a contact and after each,
+    (times,) or (contacts, times).
     """
     friction, force, radius = (np.ascontiguousarray(values, np.float64) for values in (friction, force, radius))
+    times = [np.ascontiguousarray(values, np.float64) for values in np.atleast_1d(begins, step)]
     found, motion = Impact(), np.empty((force.size, 3))
     table = friction.ctypes.data, len(friction)
+    when = times[1].size, *(array.ctypes.data for array in times), force.shape[-1] - 1
     at = force.ctypes.data, radius.ctypes.data, c.byref(found), motion.ctypes.data
-    status = _library().film_springs_impact(count, *numbers, *table, step, force.size - 1, *at)
+    status = _library().film_springs_impact(count, *numbers, *table, *when, *at)
     return found if status == native.OK else None, motion
 
 

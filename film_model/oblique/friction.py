@@ -47,13 +47,13 @@ def oblique_of(
     problem: Problem,
     rebound: float | None,
     sample: Callable[[Array], Any],
-    contacts: Sequence[tuple[float, float]],
+    contacts: tuple[Sequence[float], Sequence[float]],
     estimated: float,
 ) -> Oblique | None:
     """The tangential part of an impact whose normal motion is known; None without friction, or if nothing slides.
 
     rebound: normal velocity after the impact, m/s; None if contact did not end. sample: the normal motion at times, SI.
-    contacts: when each begins and ends, s. estimated: relative error of the normal motion. Raises SimulationError for a
+    contacts: when they begin and end, s. estimated: relative error of the normal motion. Raises SimulationError for a
     contact that does not end, sticks or creeps.
     """
     given = sliding_of(scene)
@@ -146,13 +146,11 @@ def _by_springs(
     problem: Problem,
     rebound: float,
     sample: Callable[[Array], Any],
-    contacts: Sequence[tuple[float, float]],
+    contacts: tuple[Sequence[float], Sequence[float]],
     estimated: float,
 ) -> Oblique:
     """By springs; under two models of the stiffness along the surface if the law yields."""
-    steps = springs.steps_of(len(contacts))
-    begins, ends = np.transpose(contacts)
-    times = np.linspace(begins, ends, steps + 1, axis=1)
+    times = np.linspace(*contacts, springs.steps_of(len(contacts[0])) + 1, axis=1)
     seen = sample(times.ravel())
     force, depth = np.maximum(seen.contact_force, 0.0), np.asarray(seen.indentation)
     power = springs_core.power(problem.curve.native)
@@ -163,7 +161,7 @@ def _by_springs(
     motion = dict(zip(MOTION, (times, first.velocity, first.force, moved, first.stuck), strict=True))
     regime = REGIMES[first.regime]
     ends = [run.after for run in runs]
-    impulse = float(normal_impulse(scene, problem, rebound, contacts[-1][1]))
+    impulse = float(normal_impulse(scene, problem, rebound, times[-1]))
     if regime == THROUGHOUT:
         ends = [float(slid(given, impulse))]
     events = tuple((time, KINDS[kind]) for time, kind in first.phases)

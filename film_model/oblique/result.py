@@ -52,9 +52,9 @@ class Oblique:
     "slides first" or "slides throughout", of the motion that is simulated: a damping force, which raises the limit of
     friction at first touch, may make a contact stick whose ψ₁ is above 1. events: (time, s, and "sticks", "slips",
     "slip_reverses" or "slides"); by springs within a step, 1/2048 of a contact (more than eight contacts: down to
-    1/128), and the first 32 of each. motion: arrays, SI, by the names of `MOTION`. estimated: error of the sliding
-    velocity over that before. low, high: sliding velocity after the impact under two models of a contact that yields;
-    None of others.
+    1/128), and the first 32 of several contacts. motion: arrays, SI, by the names of `MOTION`. estimated: error of the
+    sliding velocity over that before. low, high: sliding velocity after the impact under two models of a contact that
+    yields; None of others.
 
     >>> fm.simulate(scene).oblique is None  # no friction is given
     True

@@ -8,15 +8,10 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-import numpy as np
-
 from film_model.base.arrays import Array, Number
 from film_model.base.errors import SimulationError
 from film_model.core import springs as core
-from film_model.oblique.result import REGIMES
 from film_model.scene.rolling import Sliding
-
-_, SLIDES_FIRST, THROUGHOUT = range(len(REGIMES))
 
 SPRINGS = 256
 STEPS = 2048
@@ -61,16 +56,9 @@ def tangential(given: Sliding, power: float, times: Array, force: Array, radius:
     """The tangential motion over contacts that follow each other, each at evenly spaced times, s, (contacts, times).
     power: of the contact radius with which the depth grows. force: F ≥ 0, N. radius: of the contact, m; both 0 without
     contact. Raises SimulationError for numbers out of range."""
-    after, estimated, regime, phases, motions = float(given.velocity), 0.0, THROUGHOUT, list[tuple[float, int]](), []
-    for t, own_force, own_radius in zip(times, force, radius, strict=True):
-        numbers = float(given.modulus), power, float(given.mass), after
-        found, motion = core.impact(SPRINGS, numbers, given.pairs, float(t[1] - t[0]), own_force, own_radius)
-        if found is None:
-            raise SimulationError("friction: a number is out of the range of the springs")
-        if regime == THROUGHOUT != found.regime:
-            regime = SLIDES_FIRST if motions else found.regime
-        phases += [(float(t[0]) + begins, kind) for begins, kind in found.watch.phases]
-        after, estimated = found.velocity, estimated + SAFETY * found.error
-        motions.append(motion)
-    velocity, friction, stuck = np.concatenate(motions).T
-    return Run(velocity, friction, stuck, after, regime, estimated, phases)
+    numbers = float(given.modulus), power, float(given.mass), float(given.velocity)
+    found, motion = core.impact(SPRINGS, numbers, given.pairs, times[:, 1] - times[:, 0], force, radius, times[:, 0])
+    if found is None:
+        raise SimulationError("friction: a number is out of the range of the springs")
+    velocity, friction, stuck = motion.T
+    return Run(velocity, friction, stuck, found.velocity, found.regime, SAFETY * found.error, found.watch.phases)

@@ -50,13 +50,6 @@ class ModalMotion:
         """Whether the modes are damped."""
         return bool(self.tables.ratio.any())
 
-    @property
-    def in_contact(self) -> list[tuple[float, float]]:
-        """When each contact begins and ends, s; the last may not have ended."""
-        flies, time = np.append(self.segments["flight"] >= 0, True), self.segments["time"]
-        begins, ends = np.flatnonzero(np.diff(flies, prepend=True)).reshape(-1, 2).T
-        return list(zip(time[begins].tolist(), time[np.minimum(ends, time.size - 1)].tolist(), strict=True))
-
     def sample(self, times: Array) -> tuple[Array, NDArray[np.int8]]:
         """(count, 5) values ξ, ξ', f, ν, displacement of the struck point at ascending times, and branch of each."""
         return modal.sample(self.tables, self.curve, self.segments, self.flights, times * self.unit)

@@ -102,9 +102,9 @@ def simulate_chosen(choice: Choice, solver: Solver) -> History:
     from film_model.oblique.friction import oblique_of
 
     rebound = history.summary["rebound_velocity"]
-    contacts = [(0.0, history.duration)] if history.vibration is None else history.vibration.in_contact
+    begins, ends = ([e.time for e in history.events if e.name == f"contact_{what}"] for what in ("begins", "ends"))
     estimated = history.accuracy.estimated
-    found = oblique_of(history.scene, history.problem, rebound, history.sample_si, contacts, estimated)
+    found = oblique_of(history.scene, history.problem, rebound, history.sample_si, (begins, ends), estimated)
     return replace(history, oblique=found)
 
 

@@ -199,33 +199,45 @@ int film_springs_begin(film_springs *runs, int32_t count, double modulus, double
 }
 
 int film_springs_end(film_springs_impact_result *result, double last, double before, double limits, double used) {
-    result->error = left_over(last, before);
+    result->error += left_over(last, before);
     result->slack = limits > 0.0 ? 1.0 - used / limits : 0.0;
     judge(result);
     return isfinite(result->velocity + result->error) ? FILM_OK : FILM_BAD_NUMBER;
 }
 
 int film_springs_impact(int32_t count, double modulus, double power, double mass, double velocity, const double *friction, int32_t rows,
-                        double time, int64_t steps, const double *force, const double *radius, film_springs_impact_result *result,
-                        double *motion) {
+                        int64_t contacts, const double *begins, const double *time, int64_t steps, const double *force,
+                        const double *radius, film_springs_impact_result *result, double *motion) {
     film_springs runs[FILM_SPRINGS_RUNS], *fine = &runs[0];
-    double limits = 0.0, used = 0.0, apart[FILM_SPRINGS_RUNS] = {0.0};
-    *result = (film_springs_impact_result){.velocity = velocity, .watch = {.phase = -1}};
-    if (film_springs_begin(runs, count, modulus, power, mass, velocity, friction[1], steps, radius) != FILM_OK) return FILM_BAD_NUMBER;
-    motion[0] = velocity, motion[1] = motion[2] = 0.0;
-    for (int64_t i = 1; i <= steps; i++) {
-        for (int k = 0; k < FILM_SPRINGS_RUNS && i % (1 << k) == 0; k++) {
-            film_springs_take(&runs[k], (1 << k) * time, friction, rows);
-            film_springs_step(&runs[k], (1 << k) * time, force[i], radius[i]);
-            if (k > 0) apart[k] = fmax(apart[k], fabs(runs[k - 1].v - runs[k].v));
+    film_watch *watch = &result->watch;
+    double limits = 0.0, used = 0.0;
+    int status = FILM_OK;
+    *result = (film_springs_impact_result){.velocity = velocity};
+    for (int64_t contact = 0; contact < contacts && status == FILM_OK; contact++) {
+        double apart[FILM_SPRINGS_RUNS] = {0.0}, h = time[contact];
+        int64_t first = contact * (steps + 1);
+        const double *forces = force + first, *radii = radius + first;
+        double *row = motion + 3 * first;
+        watch->phase = -1, watch->passed = begins[contact], watch->waited = 0.0;
+        watch->sign = watch->cut = watch->partly = 0;
+        status = film_springs_begin(runs, count, modulus, power, mass, result->velocity, friction[1], steps, radii);
+        if (status != FILM_OK) return status;
+        row[0] = result->velocity, row[1] = row[2] = 0.0;
+        for (int64_t i = 1; i <= steps; i++) {
+            for (int k = 0; k < FILM_SPRINGS_RUNS && i % (1 << k) == 0; k++) {
+                film_springs_take(&runs[k], (1 << k) * h, friction, rows);
+                film_springs_step(&runs[k], (1 << k) * h, forces[i], radii[i]);
+                if (k > 0) apart[k] = fmax(apart[k], fabs(runs[k - 1].v - runs[k].v));
+            }
+            film_springs_watch(watch, fine->cut, film_springs_touching(fine), radii[i - 1], radii[i], h);
+            if (fabs(fine->q) > result->force) result->force = fabs(fine->q), result->step = first + i;
+            limits += fine->friction * forces[i] * h, used += fabs(fine->q) * h;
+            row[3 * i] = fine->v, row[3 * i + 1] = fine->q, row[3 * i + 2] = fmin(fine->stuck * fine->width, fine->radius);
         }
-        film_springs_watch(&result->watch, fine->cut, film_springs_touching(fine), radius[i - 1], radius[i], time);
-        if (fabs(fine->q) > result->force) result->force = fabs(fine->q), result->step = i;
-        limits += fine->friction * force[i], used += fabs(fine->q);
-        motion[3 * i] = fine->v, motion[3 * i + 1] = fine->q, motion[3 * i + 2] = fmin(fine->stuck * fine->width, fine->radius);
+        result->velocity = fine->v;
+        status = film_springs_end(result, apart[1], apart[2], limits, used);
     }
-    result->velocity = fine->v;
-    return film_springs_end(result, apart[1], apart[2], limits, used);
+    return status;
 }
 
 void film_springs_sizes(int64_t sizes[2]) {

@@ -68,15 +68,17 @@ typedef struct {
     film_watch watch;
 } film_springs_impact_result;
 
-/* An impact from first touch on in steps of a time; force, radius: before the first step and after each. friction, rows: as above.
- * steps: multiple of 4. count: of springs, multiple of 4. motion: room for three values at each time of `force`, sliding velocity, friction force and
- * the radius inside which all sticks. FILM_OK or FILM_BAD_NUMBER as film_springs_init. */
+/* An impact of contacts that follow each other. begins, time: of each contact, and of its steps. force, radius: before its first step and
+ * after each. friction, rows: as above. steps: of each contact, a multiple of 4. count: of springs, multiple of 4. motion: room for three
+ * values at each time of `force`, sliding velocity, friction force and the radius inside which all sticks. result: errors are added; its
+ * step counts the times of contacts before. FILM_OK or FILM_BAD_NUMBER as film_springs_init. */
 FILM_API int film_springs_impact(int32_t count, double modulus, double power, double mass, double velocity, const double *friction, int32_t rows,
-                                 double time, int64_t steps, const double *force, const double *radius,
-                                 film_springs_impact_result *result, double *motion);
+                                 int64_t contacts, const double *begins, const double *time, int64_t steps, const double *force,
+                                 const double *radius, film_springs_impact_result *result, double *motion);
 
 /* Its parts, which impacts in lanes share. begin: springs of the finest run and of two with half and a quarter of springs and steps.
- * end: what follows from the largest differences of the velocities of two runs, and from the sums of the limits and of |q|. */
+ * end: what follows from the largest differences of the velocities of two runs in a contact, and from the sums of the limits and of |q|
+ * up to its end. */
 enum { FILM_SPRINGS_RUNS = 3 };
 int film_springs_begin(film_springs *runs, int32_t count, double modulus, double power, double mass, double velocity, double friction,
                        int64_t steps, const double *radius);

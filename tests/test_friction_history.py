@@ -5,6 +5,8 @@ import pytest
 from test_stepped_friction import scene
 
 import film_model as fm
+from film_model.core.springs import radii
+from film_model.oblique import springs
 from film_model.oblique.result import REGIMES
 from film_model.solve.simulate import simulate_quietly
 
@@ -81,3 +83,51 @@ def test_regimes_are_those_of_the_phases(law, entries):
 def test_how_a_contact_slides_is_not_said_of_damped_laws_before(law, entries):
     (effect,) = [one for one in simulate_quietly(scene(law, 1.5, **entries)).effects if one.name == "obliqueness"]
     assert ("the contact slides first" in effect.reason) is (law != "tsuji")
+
+
+YIELDING = {
+    **{name: {} for name in ("elastoplastic", "big-alabo", "stronge", "kogut-etsion")},
+    "thornton": {"yield_pressure": "1.6 GPa"},
+    "walton-braun": {"loading_stiffness": "40 MN/m", "unloading_stiffness": "80 MN/m"},
+}
+
+
+@pytest.mark.parametrize("law", YIELDING)
+def test_brackets_of_contacts_that_yield(law, monkeypatch):
+    """Whatever the steps, each has the other's models within its errors, and the component, which has the second."""
+    rng = np.random.default_rng(4)
+    for _ in range(6):
+        angle, speed = rng.uniform(0.03, 1.1), 10.0 ** rng.uniform(-0.5, 1.0)
+        on = scene(law, target=fm.HalfSpace("mild steel"), **YIELDING[law])
+        on = on.replace({"impactor.angle": f"{angle!r} rad", "impactor.velocity": f"{speed!r} m/s"})
+        found = []
+        for steps in (512, 2048):
+            monkeypatch.setattr(springs, "STEPS", steps)
+            found.append(simulate_quietly(on).oblique)
+        (coarse, fine), before = found, abs(found[0].motion["sliding_velocity"][0])
+        error = 2.0 * springs.TURN / 512 * before
+        assert fine.low == pytest.approx(coarse.low, abs=error) and fine.high == pytest.approx(coarse.high, abs=error)
+        component = fm.ImpactComponent(on)
+        component.step(1.01 * fine.motion["time"][-1])
+        for one in found:
+            assert one.low <= component.sliding.sliding_velocity <= one.high
+            assert one.low <= one.summary["contact_point_rebound_velocity"] <= one.high
+
+
+def test_a_radius_does_not_shrink_while_the_depth_grows():
+    depth = np.array([0.0, 1.0, 2.0, 3.0, 4.0, 4.5, 4.4, 4.0, 3.0])
+    force = np.array([0.0, 1.0, 3.0, 4.0, 5.0, 4.9, 4.0, 2.0, 0.0])
+    for radius in radii(force, depth, np.sqrt(force), 0.5):
+        assert np.all(np.diff(radius[:6]) >= 0.0) and np.all(radius[:-1] >= 0.0) and radius[-1] == 0.0
+
+
+def test_regimes_of_batches_are_those_of_single_impacts():
+    """Between sticking first and sliding throughout 32 springs in 128 steps decide as 256 in 2048."""
+    rng = np.random.default_rng(3)
+    for _ in range(150):
+        friction, angle, speed = 10.0 ** rng.uniform(-2.0, 0.0), rng.uniform(0.02, 1.5), 10.0 ** rng.uniform(-2.0, 1.3)
+        ball = fm.Sphere("5 mm", f"{speed!r} m/s", material="bearing steel", angle=f"{angle!r} rad")
+        contact = fm.Contact("walton-braun", friction=friction, **YIELDING["walton-braun"])
+        on = fm.Scene(ball, fm.HalfSpace("mild steel"), contact, fm.Effects(gravity=False))
+        many = fm.simulate_batch(on, velocity=[f"{speed!r} m/s"], accuracy=1e-3).oblique
+        assert many["sliding_regime"][0] == simulate_quietly(on).oblique.sliding_regime

@@ -501,6 +501,21 @@ def test_a_contact_that_yields_is_bracketed_and_slides_throughout_by_its_restitu
     slow = fm.simulate(slanted("20 deg", law="elastoplastic", target=fm.HalfSpace("mild steel")))
     assert slow.oblique.low < slow.oblique.high
     assert any("two models give a sliding velocity" in warning for warning in slow.warnings)
+    ends = {name: slow.to_dict()["oblique"][f"sliding_after_{name}"] for name in ("low", "high")}
+    assert ends == {name: {"value": getattr(slow.oblique, name), "units": "m s-1"} for name in ends}
+
+
+@pytest.mark.parametrize("law", ["hertz", "tsuji", "elastoplastic"])
+def test_springs_that_miss_the_accuracy_say_so(law):
+    """Of laws that yield, whose stiffness along the surface is less known, above 1e-3 only."""
+    entries = {"restitution": 0.8} if law == "tsuji" else {}
+    contact = fm.Contact(law, friction=[["0 m/s", 0.2], ["1 m/s", 0.2]], **entries)
+    scene = fm.Scene(
+        fm.Sphere("5 mm", "3 m/s", material="bearing steel", angle="20 deg"), fm.HalfSpace("mild steel"), contact
+    )
+    for accuracy, missed in ((1e-4, False), (1e-8, law != "elastoplastic")):
+        found = fm.simulate(scene, accuracy=accuracy)
+        assert any("the sliding velocity is known to" in warning for warning in found.warnings) is missed
 
 
 def test_run_prints_it_and_json_has_it(tmp_path, capsys):

@@ -135,13 +135,14 @@ def test_the_shape_of_the_rebound():
 
 
 def test_radii_of_a_contact_that_yields():
-    """In loading F' = 2 E* a, and the law's; in unloading a ball's in its dent, however the last force is rounded."""
+    """The law's in loading and a ball's in its dent, however the last force is rounded; and F' = 2 E* a."""
     depth = np.concatenate([np.linspace(0.0, 1.0, 201) ** 2, np.linspace(1.0, 0.4, 100)[1:]])
     force, law = depth**1.5, np.where(depth > 0.0, 0.9 * np.sqrt(depth), np.nan)
     force[201:] = np.linspace(1.0, 0.0, 100)[1:]
     first, second = radii(force, depth, law, 0.75)
     assert np.array_equal(first[:201], 0.9 * np.sqrt(depth[:201]))
-    assert second[:201] == pytest.approx(np.sqrt(depth[:201]), abs=3e-3)
+    assert second[:200] == pytest.approx(np.sqrt(depth[:200]), abs=3e-3)
+    assert second[201:-1] == pytest.approx(1.0 / (0.6 * 1.5), rel=1e-12) and second[199] < second[200] < second[201]
     assert first[201:] == pytest.approx(0.9 * np.sqrt((depth[201:] - 0.4) / 0.6), abs=1e-15)
     force[-1] = 1e-21
     assert np.array_equal(radii(force, depth, law, 0.75)[0], first)

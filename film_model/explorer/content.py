@@ -30,7 +30,7 @@ from film_model.explorer.laws import laws_of
 from film_model.oblique import friction as oblique
 from film_model.oblique import springs as rows
 from film_model.oblique.result import KINDS as PHASES
-from film_model.oblique.result import OBLIQUE, OPEN, REGIMES
+from film_model.oblique.result import MODELLED, OBLIQUE, OPEN, REGIMES
 from film_model.plot import strobe
 from film_model.plot.style import COLOURS
 from film_model.problem.families import TERMS, mean_matrix, series_matrix
@@ -322,7 +322,7 @@ def _constants() -> dict[str, Any]:
 
 def _friction() -> dict[str, Any]:
     """The numbers of :mod:`film_model.oblique` and of the strobe picture."""
-    return support.numbers_of(rows, ("SPRINGS", "STEPS", "SAFETY")) | {
-        **{"closed": oblique.CLOSED, "open": OPEN, "regimes": REGIMES, "phases": PHASES},
+    return support.numbers_of(rows, ("SPRINGS", "STEPS", "SAFETY", "TURN", "SLIDING")) | {
+        **{"closed": oblique.CLOSED, "open": OPEN, "modelled": MODELLED, "regimes": REGIMES, "phases": PHASES},
         **support.numbers_of(strobe, ("BALLS", "SPACING")),
     }

@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from operator import add, sub
 from typing import Any, cast
 
 import numpy as np
@@ -22,7 +23,7 @@ from film_model.core import native
 from film_model.core import springs as springs_core
 from film_model.laws.law import Power
 from film_model.oblique import springs
-from film_model.oblique.result import KINDS, MOTION, REGIMES, Oblique
+from film_model.oblique.result import KINDS, MOTION, REGIMES, Oblique, error_of_force
 from film_model.problem.curve import Curve
 from film_model.problem.problem import Problem
 from film_model.problem.stresses import contact_radius
@@ -150,7 +151,8 @@ def _by_springs(
     estimated: float,
 ) -> Oblique:
     """By springs; under two models of the stiffness along the surface if the law yields."""
-    times = np.linspace(*contacts, springs.steps_of(len(contacts[0])) + 1, axis=1)
+    steps = springs.steps_of(len(contacts[0]))
+    times = np.linspace(*contacts, steps + 1, axis=1)
     seen = sample(times.ravel())
     force, depth = np.maximum(seen.contact_force, 0.0), np.asarray(seen.indentation)
     power = springs_core.power(problem.curve.native)
@@ -160,19 +162,19 @@ def _by_springs(
     moved = np.concatenate([[0.0], np.cumsum(0.5 * (first.velocity[1:] + first.velocity[:-1]) * np.diff(times))])
     motion = dict(zip(MOTION, (times, first.velocity, first.force, moved, first.stuck), strict=True))
     regime = REGIMES[first.regime]
-    ends = [run.after for run in runs]
     impulse = float(normal_impulse(scene, problem, rebound, times[-1]))
-    if regime == THROUGHOUT:
-        ends = [float(slid(given, impulse))]
+    ends = [float(slid(given, impulse)) if run.slack <= springs.SLIDING else run.after for run in runs]
     events = tuple((time, KINDS[kind]) for time, kind in first.phases)
     missed = abs(float(trapezoid(force, times)) / impulse - 1.0)
-    error = first.estimated / abs(given.velocity) + springs.error_of_force(max(estimated, missed))
+    before, of_force = abs(float(given.velocity)), error_of_force(max(estimated, missed))
+    least = (0.0, springs.TURN * before / steps)  # by how many steps a model's turn is off
+    errors = [max(run.estimated, turn) + of_force * before for run, turn in zip(runs, least, strict=False)]
     most = int(np.argmax(np.abs(first.force)))
     summary = results(scene, given, rebound, ends[0], (abs(float(first.force[most])), float(times[most])))
-    found = Oblique(summary, regime, events, motion, error)
+    found = Oblique(summary, regime, events, motion, errors[0] / before)
     if len(ends) == 1:
         return found
-    return replace(found, low=min(ends), high=max(ends))
+    return replace(found, low=min(map(sub, ends, errors)), high=max(map(add, ends, errors)))
 
 
 def slid(given: Sliding, impulse: Number) -> Number:

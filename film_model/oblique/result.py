@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from film_model.base import units
-from film_model.base.arrays import Array
+from film_model.base.arrays import Array, Number
 from film_model.base.units import format_si
 
 OBLIQUE: dict[str, tuple[str, str]] = {
@@ -43,7 +43,24 @@ KINDS = ("sticks", "slips", "slip_reverses", "slides")
 """Events: a phase of the contact begins."""
 
 OPEN = 0.01
-"""Difference of two models, or error, over the sliding velocity before, from which a warning names it."""
+"""Difference of two models, or error if no accuracy is asked for, over the sliding velocity before, from which a
+warning names it."""
+
+MODELLED = 1e-3
+"""Accuracy beyond which friction of a contact that yields is not refined: its stiffness is less known."""
+
+
+def error_of_force(estimated: Number) -> Number:
+    """Error of the sliding velocity over that before, by the relative error of the normal force: that share of v₁ − v₂,
+    and |v₂| ≤ |v₁|."""
+    return 2.0 * estimated
+
+
+def allowed(accuracy: float | None, yields: bool) -> float:
+    """Error of the sliding velocity over that before up to which none is named, where an accuracy is asked for."""
+    if accuracy is None:
+        return OPEN
+    return max(error_of_force(accuracy), MODELLED if yields else 0.0)
 
 
 @dataclass(frozen=True)
@@ -53,8 +70,8 @@ class Oblique:
     friction at first touch, may make a contact stick whose ψ₁ is above 1. events: (time, s, and "sticks", "slips",
     "slip_reverses" or "slides"); by springs within a step, 1/2048 of a contact (more than eight contacts: down to
     1/128), and the first 32 of several contacts. motion: arrays, SI, by the names of `MOTION`. estimated: error of the
-    sliding velocity over that before. low, high: sliding velocity after the impact under two models of a contact that
-    yields; None of others.
+    sliding velocity over that before. low, high: bounds of the sliding velocity after the impact under two models of a
+    contact that yields, with the errors of both; None of others.
 
     >>> fm.simulate(scene).oblique is None  # no friction is given
     True
@@ -80,14 +97,17 @@ class Oblique:
             name: {"value": value if math.isfinite(value) else None, "units": units.si_unit(OBLIQUE[name][0])}
             for name, value in self.summary.items()
         }
+        ends = {"sliding_after_low": self.low, "sliding_after_high": self.high}
+        values |= {
+            name: {"value": end, "units": units.si_unit("velocity")} for name, end in ends.items() if end is not None
+        }
         events = [{"name": name, "time": time} for time, name in self.events]
         return {**values, "sliding_regime": self.sliding_regime, "events": events, "estimated_error": self.estimated}
 
-    @property
-    def warnings(self) -> tuple[str, ...]:
-        """How far two models of a contact that yields differ, and a large error, if they do or there is one."""
+    def warnings(self, accuracy: float | None = None) -> tuple[str, ...]:
+        """How far two models of a contact that yields differ, and an error beyond the accuracy that was asked for."""
         before, said = abs(self.motion["sliding_velocity"][0]), list[str]()
-        if self.estimated > OPEN:
+        if self.estimated > allowed(accuracy, self.low is not None):
             said.append(f"friction: the sliding velocity is known to {100 * self.estimated:.2g} % of that before only")
         if self.low is not None and self.high is not None and self.high - self.low > OPEN * before:
             low, high = (format_si(end, "velocity", 3) for end in (self.low, self.high))

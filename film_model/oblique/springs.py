@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from film_model.base.arrays import Array, Number
+from film_model.base.arrays import Array
 from film_model.base.errors import SimulationError
 from film_model.core import springs as core
 from film_model.scene.rolling import Sliding
@@ -24,25 +24,25 @@ SAFETY = 2.5
 LEVELS = ((32, 128), (64, 256), (128, 512), (SPRINGS, STEPS))
 """Springs and steps in batches, as many as the accuracy needs; the first for accuracies from `MODELLED` on."""
 
-MODELLED = 1e-3
-"""Accuracy beyond which springs of a contact that yields are not refined in batches: its stiffness is less known."""
+TURN = 3.0
+"""Error of the sliding velocity over that before, of a contact whose radius jumps at the turn, in steps of the contact
+(test_brackets_of_contacts_that_yield)."""
 
-
-def error_of_force(estimated: Number) -> Number:
-    """Error of the sliding velocity over that before, by the relative error of the normal force: that share of v₁ − v₂,
-    and |v₂| ≤ |v₁|."""
-    return 2.0 * estimated
+SLIDING = 1e-6
+"""Share of the impulse of friction that may lack to its limit where the closed form of sliding throughout holds."""
 
 
 class Run(NamedTuple):
     """The sliding velocity, m/s, the friction force, N, and the radius inside which all sticks, m, at the times; after:
-    the last velocity; regime: place in `REGIMES`; estimated: error of any velocity, m/s; phases: time, s, and kind."""
+    the last velocity; regime: place in `REGIMES`; slack: what friction lacks to its limit, a share of the impulse;
+    estimated: error of any velocity, m/s; phases: time, s, and kind."""
 
     velocity: Array
     force: Array
     stuck: Array
     after: float
     regime: int
+    slack: float
     estimated: float
     phases: list[tuple[float, int]]
 
@@ -61,4 +61,5 @@ def tangential(given: Sliding, power: float, times: Array, force: Array, radius:
     if found is None:
         raise SimulationError("friction: a number is out of the range of the springs")
     velocity, friction, stuck = motion.T
-    return Run(velocity, friction, stuck, found.velocity, found.regime, SAFETY * found.error, found.watch.phases)
+    error, phases = SAFETY * found.error, found.watch.phases
+    return Run(velocity, friction, stuck, found.velocity, found.regime, found.slack, error, phases)

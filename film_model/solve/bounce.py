@@ -181,7 +181,7 @@ def _doubts_of_friction(choice: Choice) -> tuple[str, ...]:
         oblique = simulate_chosen(choice, choice.scene.solver).oblique
     except SimulationError:  # a first contact that does not end
         return ()
-    return () if oblique is None else oblique.warnings
+    return () if oblique is None else oblique.warnings(choice.scene.solver.accuracy)
 
 
 class _Series:

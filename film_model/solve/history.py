@@ -185,7 +185,7 @@ class History:
     def warnings(self) -> tuple[str, ...]:
         """Warnings of the law, about effects that are not modelled, and of this run."""
         own = () if self.derivatives is None else self.derivatives.warnings
-        sliding = () if self.oblique is None else self.oblique.warnings
+        sliding = () if self.oblique is None else self.oblique.warnings(self.scene.solver.accuracy)
         return tuple(dict.fromkeys((*self.choice.warnings, *self.remarks, *own, *sliding)))
 
     @property

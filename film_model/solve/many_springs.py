@@ -15,8 +15,8 @@ from film_model.core import springs as core
 from film_model.core.friction import COARSE, ERRORS, EXACT, QUICK
 from film_model.core.solving import MOST_SEGMENTS
 from film_model.oblique import springs
-from film_model.oblique.friction import THROUGHOUT, normal_impulse, radius_beyond_yield, results, slid
-from film_model.oblique.result import REGIMES
+from film_model.oblique.friction import normal_impulse, radius_beyond_yield, results, slid
+from film_model.oblique.result import MODELLED, error_of_force
 from film_model.problem.problem import Problem
 from film_model.scene import DEFAULT_ACCURACY, Solver
 from film_model.scene.rolling import sliding_of
@@ -54,12 +54,12 @@ def by_springs(
 ) -> tuple[NDArray[np.bool_], dict[str, Array], NDArray[np.int8], Array]:
     """Which impacts have a record, their results along the surface, regimes, and estimates (nan if nothing slides).
 
-    Springs are doubled until the estimate meets the accuracy, or `springs.MODELLED` if the law yields; where the exact
+    Springs are doubled until the estimate meets the accuracy, or `MODELLED` if the law yields; where the exact
     solution is not coarse there are as many as possible from the start, for results that are smooth over the impacts.
     """
     accuracy = solver.accuracy or DEFAULT_ACCURACY
-    tolerance = accuracy if problem.curve.reversible else max(accuracy, springs.MODELLED)
-    levels = springs.LEVELS[int(tolerance < springs.MODELLED) :] if coarseness(solver) else springs.LEVELS[-1:]
+    tolerance = accuracy if problem.curve.reversible else max(accuracy, MODELLED)
+    levels = springs.LEVELS[int(tolerance < MODELLED) :] if coarseness(solver) else springs.LEVELS[-1:]
     segments, mesh = normal.segments, mesh_of(solver, (1, 1))
     alike = problem.own.alike and bool(np.all(problem.damping > 0.0))
     if not (alike and families.by_series(problem.curve.native, mesh)):
@@ -68,7 +68,7 @@ def by_springs(
         segments = np.minimum(2 * recorded_segments(problem, solver, segments), MOST_SEGMENTS)
     motions = _Motions(problem, segments, normal.duration, solver)
     known, summary, regime, error = _followed(motions, normal.rebound, tolerance, levels)
-    return known, summary, regime, error + springs.error_of_force(normal.estimated)
+    return known, summary, regime, error + error_of_force(normal.estimated)
 
 
 @dataclass(frozen=True)
@@ -117,7 +117,7 @@ def _followed(
     modulus, mass, velocity = (column(getattr(given, name), count) for name in ("modulus", "mass", "velocity"))
     friction = column(given.friction, count)
     pairs = np.stack([np.zeros(count), friction], axis=1)[:, None]
-    after, peak, when, error = np.full((4, count), np.nan)
+    after, peak, when, error, slack = np.full((5, count), np.nan)
     regime = np.full(count, -1, np.int8)
     left = np.arange(count)
     for level, steps in levels:
@@ -129,10 +129,11 @@ def _followed(
             rows, run, t = some[known], run[known], t[known]
             after[rows], peak[rows], error[rows] = run["velocity"], run["force"], springs.SAFETY * run["error"]
             when[rows], regime[rows] = t[np.arange(rows.size), run["step"]], run["regime"]
+            slack[rows] = run["slack"]
         left = left[error[left] > tolerance * abs(velocity[left])]
         if left.size == 0:
             break
-    rows = np.flatnonzero(regime == REGIMES.index(THROUGHOUT))
+    rows = np.flatnonzero(slack <= springs.SLIDING)
     impulse = column(normal_impulse(scene, problem, rebound, motions.durations), count)
     sliding = given._replace(friction=friction[rows], mass=mass[rows], velocity=velocity[rows])
     after[rows] = slid(sliding, impulse[rows])

@@ -165,7 +165,7 @@ static void slide_lanes(int64_t count, int32_t springs, const double *numbers, c
                 found->velocity = s.runs[0].v[l], found->force = s.force[l], found->step = (int64_t)s.step[l];
                 status[l] = film_springs_end(found, s.apart[1][l], s.apart[2][l], s.limits[l], s.used[l]);
             }
-            results[first + l] = (film_springs_brief){found->velocity, found->force, found->error, found->step, found->regime, status[l]};
+            results[first + l] = (film_springs_brief){found->velocity, found->force, found->error, found->slack, found->step, found->regime, status[l]};
         }
     }
 }

@@ -14,10 +14,14 @@ typedef struct {
     double force, slope; /* F >= 0, and r */
 } grip;
 
-static grip grip_of(const film_curve *curve, const film_state *state) {
+/* At a state, before which the indentation was `before`. While it grows a law that yields releases nothing that touches, as in
+ * film_springs_radii. */
+static grip grip_of(const film_curve *curve, const film_state *state, double before, const film_sliding *sliding) {
     grip now = {fmax(state->force, 0.0), 0.0};
     if (state->branch == FILM_FREE) return (grip){0.0, 0.0};
     now.slope = film_contact_slope(curve, &state->line, state->xi);
+    int yields = curve->stage[curve->stages - 1].unloading != FILM_RETRACE;
+    if (yields && state->xi >= before) now.slope = fmax(now.slope, sliding->springs.radius);
     if (!(now.force > 0.0 && now.slope > 0.0)) now.force = now.slope = 0.0;
     return now;
 }
@@ -72,14 +76,15 @@ int film_slide(const film_curve *curve, const film_mesh *mesh, const film_state 
         advance(sliding, (grip){0.0, 0.0}, dt, friction, rows);
         return FILM_OK;
     }
-    double count = steps_for(sliding, grip_of(curve, &state), dt, rows);
+    double count = steps_for(sliding, grip_of(curve, &state, state.xi, sliding), dt, rows);
     if (!spend(sliding, count)) return FILM_TOO_MANY;
     for (double k = 1.0; k < count; k += 1.0) {
+        double xi = state.xi;
         int status = follow(curve, mesh, &state, from->time + dt * (k / count));
         if (status < 0) return status;
-        advance(sliding, grip_of(curve, &state), dt / count, friction, rows);
+        advance(sliding, grip_of(curve, &state, xi, sliding), dt / count, friction, rows);
     }
-    advance(sliding, grip_of(curve, to), dt / count, friction, rows);
+    advance(sliding, grip_of(curve, to, state.xi, sliding), dt / count, friction, rows);
     return FILM_OK;
 }
 
@@ -91,13 +96,14 @@ static int slide_step(const film_structure *structure, const film_curve *curve, 
         advance(sliding, (grip){0.0, 0.0}, dt, friction, rows);
         return FILM_OK;
     }
-    double count = steps_for(sliding, grip_of(curve, &step.contact), dt, rows);
+    double count = steps_for(sliding, grip_of(curve, &step.contact, step.contact.xi, sliding), dt, rows);
     if (!spend(sliding, count)) return FILM_TOO_MANY;
     for (double k = 1.0; k <= count; k += 1.0) {
+        double xi = step.contact.xi;
         step.tau = begin + time * (k / count);
         film_modal_motion(structure, curve, &step, waves, values);
         step.contact.xi = values[0], step.contact.force = values[2];
-        advance(sliding, grip_of(curve, &step.contact), dt / count, friction, rows);
+        advance(sliding, grip_of(curve, &step.contact, xi, sliding), dt / count, friction, rows);
     }
     return FILM_OK;
 }

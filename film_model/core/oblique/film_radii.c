@@ -6,13 +6,19 @@
 
 static double known(double x) { return isfinite(x) && x > 0.0 ? x : 0.0; }
 
-/* dF/dz at a depth of loading, which ends at `last`: parabolas through three depths, lines at the ends. */
-static double loading_slope(int64_t i, int64_t last, const double *force, const double *depth) {
-    if (last == 0) return 0.0;
-    if (i == 0) return (force[1] - force[0]) / (depth[1] - depth[0]);
-    double before = depth[i] - depth[i - 1];
-    if (i == last) return (force[i] - force[i - 1]) / before;
-    double after = depth[i + 1] - depth[i], both = before + after;
+/* A radius in loading: a law whose radius or slope falls where it yields, or whose slope jitters, releases nothing that touches. */
+static double kept(double radius, int64_t i, const double *depth, const double *radii) {
+    return i > 0 && depth[i] >= depth[i - 1] ? fmax(known(radius), radii[i - 1]) : known(radius);
+}
+
+/* dF/dz at a depth of a loading or unloading, of which these are the first and last: parabolas through three depths, lines at the ends. */
+static double recorded_slope(int64_t i, int64_t begin, int64_t end, const double *force, const double *depth) {
+    if (begin >= end) return 0.0;
+    if (i == begin || i == end) {
+        int64_t to = i == end ? i : i + 1;
+        return (force[to] - force[to - 1]) / (depth[to] - depth[to - 1]);
+    }
+    double before = depth[i] - depth[i - 1], after = depth[i + 1] - depth[i], both = before + after;
     return -after / (before * both) * force[i - 1] + (after - before) / (before * after) * force[i]
          + before / (after * both) * force[i + 1];
 }
@@ -28,13 +34,19 @@ static void radii_of_one(int64_t count, const double *force, const double *depth
     }
     double whole = 0.0, way = fmax(depth[turn] - left, 1e-300); /* 1e-300: no division by 0 */
     for (int64_t i = 0; i < count; i++) {
-        double in_dent = whole * sqrt(fmin(fmax((depth[i] - left) / way, 0.0), 1.0)), before = i > 0 ? first[i - 1] : 0.0;
-        /* a law whose radius jumps down where it yields does not release what touches */
-        double in_loading = i > 0 && depth[i] >= depth[i - 1] ? fmax(known(law[i]), before) : known(law[i]);
-        first[i] = force[i] > 0.0 ? (i <= turn ? in_loading : in_dent) : 0.0;
-        second[i] = force[i] > 0.0 ? (i <= turn ? known(loading_slope(i, turn, force, depth) / (2.0 * modulus)) : in_dent) : 0.0;
+        double in_dent = whole * sqrt(fmin(fmax((depth[i] - left) / way, 0.0), 1.0));
+        int in_loading = i <= turn;
+        double slope = recorded_slope(i, in_loading ? 0 : turn + 1, in_loading ? turn : count - 1, force, depth) / (2.0 * modulus);
+        first[i] = second[i] = 0.0;
+        if (!(force[i] > 0.0)) continue;
+        first[i] = in_loading ? kept(law[i], i, depth, first) : in_dent;
+        second[i] = in_loading ? kept(slope, i, depth, second) : known(slope);
         if (i == turn) whole = first[i];
     }
+    if (turn == 0 || turn + 1 == count || !(force[turn] > 0.0 && force[turn + 1] > 0.0)) return;
+    /* the second jumps at the turn, which lies between times: where a parabola through three depths has it, springs are met on average */
+    double before = depth[turn] - depth[turn - 1], after = depth[turn] - depth[turn + 1];
+    if (before + after > 0.0) second[turn] += (second[turn + 1] - second[turn]) * (after / (before + after));
 }
 
 void film_springs_radii(int64_t impacts, int64_t count, const double *force, const double *depth, const double *law, double modulus,

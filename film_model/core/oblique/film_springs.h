@@ -89,7 +89,7 @@ double film_springs_reached(double power, double widths);
 
 /* Of one impact of many. status: as film_springs_impact returns it; the others as above. */
 typedef struct {
-    double velocity, force, error;
+    double velocity, force, error, slack;
     int64_t step;
     int32_t regime, status;
 } film_springs_brief;
@@ -112,9 +112,9 @@ double film_contact_slope(const film_curve *curve, const film_line *line, double
 /* That slope of a reversible law at forces and indentations of the march; 0 without force. It is 2 E_star times the contact radius. */
 FILM_API void film_springs_slopes(const film_curve *curve, int64_t count, const double *force, const double *depth, double *slope);
 
-/* Contact radii of contacts that yield, `count` of each, at recorded forces and depths: in loading those of its law, and of an elastic contact with
- * the slope of its force, F' = 2 modulus a; in unloading both shrink from the law's at the turn, as a ball's in its dent. modulus:
- * E_star. law: radii of the law, not finite if unknown; read up to the turn only. The first do not shrink before it. */
+/* Contact radii of contacts that yield, `count` of each, at recorded forces and depths: first those of its law
+ * in loading, shrinking from the turn on as a ball's in its dent; second those of an elastic contact with the slope of its force,
+ * F' = 2 modulus a. Neither shrinks in loading. modulus: E_star. law: radii of the law, not finite if unknown; read up to the turn only. */
 FILM_API void film_springs_radii(int64_t impacts, int64_t count, const double *force, const double *depth, const double *law, double modulus,
                                  double *first, double *second);
 

@@ -277,7 +277,7 @@ function showEffects(scene, result) {
   });
   const head = ["effect", "state", "error if neglected", "basis"].map((text) => made("th", { scope: "col" }, text));
   byId("effects").replaceChildren(made("thead", {}, made("tr", {}, ...head)), made("tbody", {}, ...here, ...judged));
-  const notes = [...result.warnings, ...warningsOf(result.oblique)];
+  const notes = [...result.warnings, ...warningsOf(result.oblique, scene.solver.accuracy)];
   if (!scene.base.free && result.n.impedance < Infinity) notes.push(`Zener's number λ = ${shortNumber(result.n.zener, 3)}`);
   if (result.n.yield_velocity > 0 && result.n.yield_velocity < Infinity) {
     notes.push(`the contact yields above ${shown(result.n.yield_velocity, "velocity", 4)} on a target that does not move`);

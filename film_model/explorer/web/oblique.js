@@ -1,7 +1,7 @@
 // The motion along the surface of an impact with friction: film_model/oblique, by the same C and the recorded formulas.
 
 /**
- * What friction did. motion: columns over time, SI. low, high: sliding velocity after under two models of a contact that yields.
+ * What friction did. motion: columns over time, SI. low, high: of the sliding velocity after under two models of a contact that yields, less and plus their errors.
  * @typedef {{summary: Record<string, number>, sliding_regime: string, events: {name: string, time: number}[], estimated_error: number,
  *   motion: {time: Float64Array, sliding_velocity: Float64Array, friction_force: Float64Array}, low: number, high: number,
  *   before: {along: number, away: number, spin: number}}} Oblique
@@ -94,7 +94,7 @@ function phasesAt(view, at, layout, count, unit) {
 function frictionOfSprings(scene, n, problem, given, rebound, own, sample) {
   const { p, law, curve } = problem;
   const { duration } = own;
-  const { springs, steps, safety } = DATA.constants.friction;
+  const { springs, steps, safety, turn, sliding } = DATA.constants.friction;
   const time = Float64Array.from({ length: steps + 1 }, (_, k) => (k === steps ? duration : k * (duration / steps)));
   const { values } = sample(time.map((t) => t / p.time));
   const convert = FORMULAS[scene.base.free ? "motionFree" : "motionFixed"];
@@ -105,19 +105,23 @@ function frictionOfSprings(scene, n, problem, given, rebound, own, sample) {
     : [elasticRadii(curve, p, force, depth, n.effective_modulus)];
   const power = CORE.c.film_springs_power(curve);
   const runs = radii.map((radius) => followSprings(springs, { ...given, power }, time, force, radius));
-  const [{ velocity, friction, largest, step, error, regime, events }] = runs;
+  const [{ velocity, friction, largest, step, regime, events }] = runs;
   const impulse = n.impactor_mass * (n.speed - rebound) + p.load * p.force * duration; // of the normal force
   const slid = given.velocity - (Math.sign(given.velocity) * given.friction * impulse) / given.mass;
-  const ends = regime === 2 ? [slid] : runs.map((run) => run.velocity[steps]);
+  const ends = runs.map((run) => (run.slack <= sliding ? slid : run.velocity[steps]));
+  const before = Math.abs(given.velocity);
+  const least = [0, (turn * before) / steps];
+  const errors = runs.map((run, k) => Math.max(safety * run.error, least[k]) + 2 * own.error * before); // 2: as error_of_force in Python
+  const bounds = (/** @type {number} */ sign) => (runs.length > 1 ? ends.map((end, k) => end + sign * errors[k]) : ends);
   return {
     after: ends[0],
     peak: [largest, time[step]],
     regime,
     events,
-    error: (safety * error) / Math.abs(given.velocity) + 2 * own.error, // as error_of_force in Python
+    error: errors[0] / before,
     motion: { time, sliding_velocity: velocity, friction_force: friction },
-    low: Math.min(...ends),
-    high: Math.max(...ends),
+    low: Math.min(...bounds(-1)),
+    high: Math.max(...bounds(1)),
   };
 }
 
@@ -155,9 +159,9 @@ function followSprings(count, { modulus, power, friction, mass, velocity }, time
   const rows = new Float64Array(c.memory.buffer, found, 3 * time.length);
   const [v, q] = [0, 1].map((which) => time.map((_, k) => rows[3 * k + which]));
   const view = CORE.view();
-  const [largest, error] = ["force", "error"].map((name) => view.getFloat64(result + springs[name], true));
+  const [largest, error, slack] = ["force", "error", "slack"].map((name) => view.getFloat64(result + springs[name], true));
   const [regime, events] = [view.getInt32(result + springs.regime, true), phasesAt(view, result + springs.watch, watch, watch.events, 1)];
-  const run = { velocity: v, friction: q, largest, error, regime, events, step: Number(view.getBigInt64(result + springs.step, true)) };
+  const run = { velocity: v, friction: q, largest, error, slack, regime, events, step: Number(view.getBigInt64(result + springs.step, true)) };
   CORE.top = top;
   return run;
 }
@@ -177,12 +181,13 @@ function alongAt(times, oblique) {
   return { sliding_velocity: at(sliding_velocity), friction_force: at(friction_force) };
 }
 
-/** What must be known of the results. @param {Oblique|null} oblique @returns {string[]} */
-function warningsOf(oblique) {
+/** What must be known of the results. @param {Oblique|null} oblique @param {number|null} accuracy that was asked for @returns {string[]} */
+function warningsOf(oblique, accuracy) {
   if (!oblique) return [];
   const { low, high, motion, estimated_error: error } = oblique;
-  const { open } = DATA.constants.friction;
-  const texts = error > open ? [`friction: the sliding velocity is known to ${percent(error)} of that before only`] : [];
+  const { open, modelled } = DATA.constants.friction;
+  const allowed = accuracy === null ? open : Math.max(2 * accuracy, low < high ? modelled : 0); // 2: as error_of_force in Python
+  const texts = error > allowed ? [`friction: the sliding velocity is known to ${percent(error)} of that before only`] : [];
   if (high - low > open * Math.abs(motion.sliding_velocity[0])) {
     const [from, to] = [low, high].map((value) => shown(value, "velocity", 3));
     texts.push(`friction: how stiff a contact that yields is along the surface is not known; two models give a sliding velocity after the impact of ${from} and ${to}`);

@@ -111,6 +111,9 @@ def test_universal_files(tmp_path, capsys):
     read[4] = "4"
     capsys.readouterr()
     assert main(read) == 3 and "at 100 Hz has no node 4" in capsys.readouterr().err
+    read[4], read[6] = "3", "x"
+    assert main(read) == 3 and not output.exists()
+    assert "no vibration moves node 3 along x; they move it along z" in capsys.readouterr().err
     path.write_text("nothing\n")
     assert main(read) == 3 and "plate.unv" in capsys.readouterr().err
 

@@ -29,6 +29,9 @@ have errors of ε/SHIFT = 2e-8, and smaller ones smaller errors."""
 RIGID = 1e-4
 """Eigenvalues over the shift below which they are 0 with rounding: a motion that nothing holds."""
 
+STILL = 1e-10
+"""Deflection over that along another direction, below which a vibration does not move a node: 0 with rounding."""
+
 NEEDS_PYUFF = 'universal files need pyuff: install film-model[modes] (pip install "film-model[modes]")'
 
 
@@ -82,12 +85,17 @@ def read_universal(path: Path, node: int, direction: str, sensors: Sequence[int]
         raise ValueError(f"{path} has no real vibrations: data sets 55 of analysis type 2 are needed")
     unit = _root_of_mass(mass_unit, sets)
     modes.sort(key=lambda one: float(one["freq"]))
-    columns = [_at_nodes(path, one, (node, *sensors), f"r{DIRECTIONS.index(direction) + 1}") for one in modes]
+    moved = np.array([_at_nodes(path, one, (node, *sensors)) for one in modes])  # vibration, node, x y z
+    along, largest = DIRECTIONS.index(direction), np.abs(moved[:, 0]).max(axis=0)
+    if largest[along] <= STILL * largest.max():
+        others = [name for name, size in zip(DIRECTIONS, largest, strict=True) if size > STILL * largest.max()]
+        told = f"they move it along {' and '.join(others)}" if others else "nor in another direction: it is held"
+        raise ValueError(f"{path}: no vibration moves node {node} along {direction}; {told}")
     masses = np.array([float(one["modal_m"]) for one in modes])
     if not (masses > 0.0).all():
         raise ValueError(f"{path}: a modal mass is {masses.min():g}, more than 0 is needed")
     damping = np.array([float(one.get("modal_damp_vis", 0.0)) for one in modes])
-    shape = np.array(columns).T / np.sqrt(masses) * unit
+    shape = moved[:, :, along].T / np.sqrt(masses) * unit
     return FoundModes(np.array([float(one["freq"]) for one in modes]), shape, damping if damping.any() else None, None,
                       tuple(sensors))  # fmt: skip
 
@@ -100,12 +108,14 @@ def _root_of_mass(mass_unit: str | None, sets: Sequence[dict[str, Any]]) -> floa
     return math.sqrt(units["force"] / units["length"])  # the unit of mass is length/force kg
 
 
-def _at_nodes(path: Path, mode: dict[str, Any], nodes: Sequence[int], component: str) -> list[float]:
+def _at_nodes(path: Path, mode: dict[str, Any], nodes: Sequence[int]) -> Array:
+    """The deflection of a vibration at nodes, along x, y and z in the columns."""
     numbers = np.asarray(mode["node_nums"]).astype(int).tolist()
     for node in nodes:
         if node not in numbers:
             raise ValueError(f"{path}: the vibration at {float(mode['freq']):g} Hz has no node {node}")
-    return [float(np.real(mode[component][numbers.index(node)])) for node in nodes]
+    places = [numbers.index(node) for node in nodes]
+    return np.stack([np.real(np.asarray(mode[f"r{k}"]))[places] for k in (1, 2, 3)], axis=1)
 
 
 def read_matrices(path: Path, mass: Path | None, damping: Path | None, row: int, sensors: Sequence[int],

@@ -1,6 +1,7 @@
 """Vibrations from universal files and matrices: against closed forms, and one sentence for every mistake."""
 
 import math
+import re
 
 import numpy as np
 import pytest
@@ -123,6 +124,7 @@ def test_universal_files(tmp_path, capsys):
     [
         ({"K": -np.eye(3)}, "the stiffness is not positive"),
         ({"M": np.diag([1.0, -1.0, 1.0])}, "the mass is not positive"),
+        ({"K": np.array(1.0)}, "K has the shape \\(\\)"),
         ({"M": np.eye(2)}, "M has the shape \\(2, 2\\): finite real numbers in 3 rows"),
         ({"K": np.eye(3) + np.eye(3, k=1)}, "K is not symmetric"),
         ({"C": -np.eye(3)}, "the damping is not positive"),
@@ -138,7 +140,11 @@ def test_wrong_matrices(change, message, tmp_path):
 def test_wrong_arguments(tmp_path, capsys):
     np.savez(tmp_path / "m.npz", M=np.eye(3))
     np.savez(tmp_path / "good.npz", M=np.eye(3), K=np.eye(3))
+    mmwrite(tmp_path / "K.mtx", coo_array(np.eye(3)))
+    (tmp_path / "good.unv").touch()
     for name, arguments, said in (
+        ("K.mtx", [], "K.mtx: no matrix M: give the file of M by --mass"),
+        ("K.mtx", ["--mass", str(tmp_path / "gone.mtx")], "gone.mtx"),
         ("m.npz", [], "no matrix K: arrays K and M are needed"),
         ("good.npz", ["--sensors", "4"], "has 3 rows: row 4 is not one of them"),
         ("good.npz", ["--sensors", "1,1"], "names a number twice"),
@@ -146,3 +152,98 @@ def test_wrong_arguments(tmp_path, capsys):
     ):
         given = [str(tmp_path / name), "--node", "1", "--output", str(tmp_path / "out.csv"), *arguments]
         assert main(["modes", "read", *given]) == 3 and said in capsys.readouterr().err
+        assert not (tmp_path / "out.csv").exists()
+
+
+def test_files_that_are_not_read(tmp_path, capsys):
+    """Each is named, and what is needed instead; an absent one is told before it is read."""
+    (tmp_path / "folder.unv").mkdir()
+    (tmp_path / "bad.npz").write_bytes(b"PK\x03\x04 cut")
+    for name, arguments, said in (
+        ("plate.op2", "", "plate.op2: files of results of Nastran are not read: a universal file (.unv"),
+        ("plate.OP2", "", "files of results of Nastran are not read"),
+        ("plate.rst", "", "files of results of Ansys are not read"),
+        ("plate.h5", "", 'files with the suffix ".h5" are not read'),
+        ("plate", "", 'files with the suffix "" are not read'),
+        ("modes.csv", "", 'modes.csv is a file of vibrations itself, which kind = "structure" reads'),
+        ("gone.npz", "", "gone.npz: No such file or directory"),
+        ("gone.unv", "--direction z", "gone.unv: No such file or directory"),
+        ("folder.unv", "--direction z", "folder.unv is a folder"),
+        ("bad.npz", "", "bad.npz cannot be read as .npz: "),
+    ):
+        given = [str(tmp_path / name), "--node", "1", "--output", str(tmp_path / "out.csv"), *arguments.split()]
+        assert main(["modes", "read", *given]) == 3
+        error = capsys.readouterr().err
+        assert said in error and "Errno" not in error and error.count("\n") == 1, error
+
+
+def small(name, *fields):
+    return name.ljust(8) + "".join(str(field).rjust(8) for field in fields) + "\n"
+
+
+def large(name, *fields):
+    """Two lines of fields of 16 characters, numbers as Fortran writes them."""
+    texts = [f"{field:.9E}".replace("E", "D") if isinstance(field, float) else str(field) for field in fields]
+    return "".join(
+        word.ljust(8) + "".join(text.rjust(16) for text in part) + "\n"
+        for word, part in ((f"{name}*", texts[:4]), ("*", texts[4:]))
+        if part
+    )
+
+
+def dmig(written, commas=False):
+    """The chain at nodes 101, 102 ... along z: K symmetric, its half; M and B square; others that are not read."""
+    stiffness, inertia, damping = chain(True)
+    text = "$TITLE = CHAIN\nGRID,7,,0.0,0.0,0.0\n" + written("DMIG", "KAAX", 0, 6, 2, 0, "", "", LINKS)
+    for matrix, name, half in ((stiffness, "KAAX", 1), (inertia, "MAAX", 0), (damping, "BAAX", 0)):
+        text += "" if half else written("DMIG", name, 0, 1, 2, 0, "", "", LINKS)
+        for k, column in enumerate(matrix.T):
+            rows = [i for i in np.flatnonzero(column).tolist() if i >= k or not half]
+            terms = [field for i in rows for field in (101 + i, 3, float(column[i]), "")]
+            text += written("DMIG", name, 101 + k, 3, "", *terms[:4])
+            for at in range(4, len(terms), 4):
+                text += written("", *terms[at : at + 4]) if written is small else large("", *terms[at : at + 4])
+    text += written("DMIG", "PAX", 0, 9, 2, 0, "", "", 1) + written("DMIG", "K4AAX", 7, 1, "", 8, 1, 2.0)
+    return text + "ASET1   123     101     THRU    130\n"
+
+
+@pytest.mark.parametrize("written", [small, large])
+def test_matrices_of_nastran(written, tmp_path, capsys):
+    path, output = tmp_path / "chain.pch", tmp_path / "modes.csv"
+    path.write_text(dmig(written))
+    found = read_matrices(path, None, None, 100 + LINKS, [101], None, "z")
+    exact = frequencies(True)
+    assert found.frequency == pytest.approx(exact, rel=1e-9) and found.sensors == (101,)
+    assert found.damping_ratio == pytest.approx(1e-6 * 2 * math.pi * exact, rel=1e-8)
+    assert found.static_compliance == pytest.approx(LINKS / SPRING, rel=1e-9)
+    read = ["modes", "read", str(path), "--node", "130", "--output", str(output), "--force"]
+    assert main(read) == 3 and "--direction: missing" in capsys.readouterr().err
+    assert main([*read, "--direction", "z"]) == 0
+    capsys.readouterr()
+    assert main([*read, "--direction", "x"]) == 3 and "has no node 130 along x" in capsys.readouterr().err
+
+
+def test_entries_of_nastran(tmp_path):
+    """Numbers without E, two terms in a line, commas, scalar points, and what is refused."""
+    path = tmp_path / "two.bdf"
+    path.write_text(
+        "DMIG,K2GG,0,6,1\nDMIG,K2GG,1,3,,1,3,3.+5\n,2,0,-1.+5\n+,\nDMIG    K2GG           2       0"
+        "               2       0   1.+5\nDMIG    M2GG           0       6       1\n"
+        "DMIG,m2gg,1,3,,1,3,2.-1\nDMIG,M2GG,2,,,2,,.1D0\n"
+    )
+    found = read_matrices(path, None, None, 1, [2], None, "z")
+    square = np.linalg.eigvals(np.linalg.solve(np.diag([0.2, 0.1]), 1e5 * np.array([[3.0, -1.0], [-1.0, 1.0]])))
+    assert 2 * math.pi * found.frequency == pytest.approx(np.sqrt(np.sort(square)), rel=1e-12)
+    text = path.read_text()
+    for old, new, said in (
+        ("K2GG,0,6,1", "K2GG,0,9,1", "DMIG K2GG: form 9, type 1: form 1 or 6"),
+        ("K2GG,0,6,1", "K2GG,0,6,3", "form 6, type 3"),
+        ("DMIG,K2GG,0,6,1\n", "", "DMIG K2GG: the entry with its form is missing"),
+        ("DMIG,K2GG,1,3", "DMIG,KB,1,3", "matrices K2GG and KB: one with a name in K is needed"),
+        ("3.+5", "3.x5", 'DMIG K2GG: "3.X5" is not a real number'),
+        ("m2gg,1,3", "m2gg,a,3", '"A", "3": the numbers of a point and a component'),
+        ("K2GG", "P2G", "no matrix K: entries DMIG whose names begin with K and M are needed"),
+    ):
+        path.write_text(text.replace(old, new))
+        with pytest.raises(ValueError, match=re.escape(said)):
+            read_matrices(path, None, None, 1, [], None, "z")

@@ -70,7 +70,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except BrokenPipeError:  # the reading process has ended
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return DONE
-    except (OSError, ValueError, ImportError) as error:
+    except OSError as error:
+        of_system = error.filename is not None and error.strerror is not None
+        return _complain(f"{error.filename}: {error.strerror}" if of_system else str(error), FAILED)
+    except (ValueError, ImportError) as error:
         return _complain(str(error), FAILED)
     except KeyboardInterrupt as stop:
         return _complain(str(stop) or "interrupted", 130)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib
 import math
+import zipfile
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -13,11 +14,30 @@ import numpy as np
 
 from film_model.base.arrays import Array
 from film_model.base.errors import shown
-from film_model.base.files import written_whole
+from film_model.base.files import check_regular, written_whole
 from film_model.base.threads import one_thread
+from film_model.targets.dmig import read_dmig
 from film_model.targets.structure_file import ROOTS
 
 DIRECTIONS = ("x", "y", "z")
+
+UNIVERSAL, MATRICES, NASTRAN = (".unv", ".uff", ".uf"), (".npz", ".mtx"), (".pch", ".bdf", ".nas")
+"""Suffixes of the files that are read."""
+
+UNREAD = {
+    "of vibrations": (".csv", ".nc"),
+    "of results of Nastran": (".op2", ".op4", ".f06", ".xdb"),
+    "of results of Ansys": (".rst", ".full", ".sub"),
+    "of Abaqus": (".odb", ".fil", ".sim", ".inp"),
+    "of results of CalculiX": (".frd",),
+    "of MATLAB": (".mat",),
+}
+"""What is said of suffixes that are not read."""
+
+EXPORT = (
+    "a universal file (.unv, data sets 55), or reduced matrices as .npz, Matrix Market (.mtx) or DMIG of Nastran "
+    "(.pch, .bdf), is needed"
+)
 
 MOST_ROWS = 3000
 """Largest matrices: their vibrations take some ten seconds, and the matrices 70 MB each."""
@@ -63,6 +83,21 @@ class FoundModes:
         lines = [*static, ", ".join(columns), *(", ".join(map(repr, row)) for row in rows)]
         with written_whole(path) as beside:
             beside.write_text("\n".join(lines) + "\n", encoding="utf-8")
+
+
+def check_kind(path: Path) -> str:
+    """The suffix of a file in small letters; a ValueError if such files are not read, an OSError if there is none."""
+    suffix = path.suffix.lower()
+    if suffix in UNREAD["of vibrations"]:
+        raise ValueError(f'{path} is a file of vibrations itself, which kind = "structure" reads')
+    if suffix not in (*UNIVERSAL, *MATRICES, *NASTRAN):
+        what = next((what for what, own in UNREAD.items() if suffix in own), f"with the suffix {shown(suffix)}")
+        raise ValueError(f"{path}: files {what} are not read: {EXPORT}")
+    try:
+        check_regular(path)
+    except ValueError as error:
+        raise ValueError(f"{path} {error}") from None
+    return suffix
 
 
 def read_universal(path: Path, node: int, direction: str, sensors: Sequence[int], mass_unit: str | None) -> FoundModes:
@@ -115,24 +150,33 @@ def _at_nodes(path: Path, mode: dict[str, Any], nodes: Sequence[int]) -> Array:
         if node not in numbers:
             raise ValueError(f"{path}: the vibration at {float(mode['freq']):g} Hz has no node {node}")
     places = [numbers.index(node) for node in nodes]
-    return np.stack([np.real(np.asarray(mode[f"r{k}"]))[places] for k in (1, 2, 3)], axis=1)
+    return np.stack([np.real(np.asarray(mode.get(f"r{k}", np.zeros(len(numbers)))))[places] for k in (1, 2, 3)], axis=1)
 
 
-def read_matrices(path: Path, mass: Path | None, damping: Path | None, row: int, sensors: Sequence[int],
-                  mass_unit: str | None) -> FoundModes:  # fmt: skip
-    """The vibrations of K φ = ω² M φ, all of them, at rows of the matrices, counted from 1.
+def read_matrices(path: Path, mass: Path | None, damping: Path | None, number: int, sensors: Sequence[int],
+                  mass_unit: str | None, direction: str | None = None) -> FoundModes:  # fmt: skip
+    """The vibrations of K φ = ω² M φ, all of them, at rows of the matrices, from 1, or at nodes along x, y or z.
 
-    path: of a .npz file with K, M and perhaps C, or of K in Matrix Market format, with those of M and C beside it. Of C
-    the modal damping ratios φᵀCφ/(2ω) are taken. The static compliance is that of K, exactly; where nothing holds the
-    structure, the sum over its vibrations. mass_unit: of the matrices' consistent units; default kg. Raises ValueError
-    for matrices that are not symmetric, of different sizes, or not positive.
+    path: of a .npz file with K, M and perhaps C, of K in Matrix Market format, with those of M and C beside it, or of
+    matrices of Nastran, which have nodes (`read_dmig`). Of C the modal damping ratios φᵀCφ/(2ω) are taken. The static
+    compliance is that of K, exactly; where nothing holds the structure, the sum over its vibrations. mass_unit: of the
+    matrices' consistent units; default kg. Raises ValueError for matrices that are not symmetric, of different sizes,
+    or not positive.
     """
-    matrices = _matrices(path, mass, damping)
+    nastran = path.suffix.lower() in NASTRAN
+    matrices, rows = read_dmig(path, MOST_ROWS) if nastran else (_matrices(path, mass, damping), [])
+    _check_matrices(path, matrices)
+    if nastran:
+        places = {node: k for k, (node, part) in enumerate(rows) if part in (0, DIRECTIONS.index(direction or "x") + 1)}
+        missing = f"no node {{}} along {direction}: export its displacement among those that are kept"
+    else:
+        places = {k + 1: k for k in range(len(matrices["K"]))}
+        missing = f"{len(places)} rows: row {{}} is not one of them"
+    for asked in (number, *sensors):
+        if asked not in places:
+            raise ValueError(f"{path} has {missing.format(asked)}")
+    points = [places[asked] for asked in (number, *sensors)]
     stiffness, inertia = matrices["K"], matrices["M"]
-    points = [number - 1 for number in (row, *sensors)]
-    if min(points) < 0 or max(points) >= len(stiffness):
-        wrong = next(number for number in (row, *sensors) if not 1 <= number <= len(stiffness))
-        raise ValueError(f"{path} has {len(stiffness)} rows: row {wrong} is not one of them")
     square, shapes = _vibrations(path, stiffness, inertia)
     omega, unit = np.sqrt(square), ROOTS[mass_unit or "kg"]
     ratio, coupling = None, 0.0
@@ -181,18 +225,28 @@ def _vibrations(path: Path, stiffness: Array, inertia: Array) -> tuple[Array, Ar
 
 
 def _matrices(path: Path, mass: Path | None, damping: Path | None) -> dict[str, Array]:
-    """K, M and, if given, C, symmetric and of one size."""
-    if path.suffix == ".npz":
-        with np.load(path, allow_pickle=False) as file:
-            found = {name: np.asarray(file[name]) for name in ("K", "M", "C") if name in file.files}
-    else:
-        files = {"K": path, "M": mass, "C": damping}
-        found = {name: _market(file) for name, file in files.items() if file is not None}
+    """K, M and, if given, C, as the files have them."""
+    if path.suffix.lower() == ".npz":
+        try:
+            with path.open("rb") as opened, np.load(opened, allow_pickle=False) as file:
+                return {name: np.asarray(file[name]) for name in ("K", "M", "C") if name in file.files}
+        except (ValueError, TypeError, zipfile.BadZipFile) as error:  # TypeError: a single array
+            raise ValueError(f"{path} cannot be read as .npz: {error}") from None
+    files = {"K": path, "M": mass, "C": damping}
+    return {name: _market(file) for name, file in files.items() if file is not None}
+
+
+NEEDED = {".npz": "arrays K and M are needed", ".mtx": "give the file of M by --mass"}
+"""What is needed where a matrix is missing, by suffix."""
+
+
+def _check_matrices(path: Path, found: dict[str, Array]) -> None:
+    """Make K, M and, if given, C exactly symmetric; a ValueError unless they are symmetric and of one size."""
     for name in ("K", "M"):
         if name not in found:
-            need = "arrays K and M" if path.suffix == ".npz" else "--mass with the file of M"
-            raise ValueError(f"{path}: no matrix {name}: {need} are needed")
-    size = found["K"].shape[:1]
+            need = NEEDED.get(path.suffix.lower(), "entries DMIG whose names begin with K and M are needed")
+            raise ValueError(f"{path}: no matrix {name}: {need}")
+    size = (*found["K"].shape, 0)[:1]
     for name, matrix in found.items():
         if matrix.dtype.kind not in "iuf" or matrix.shape != (*size, *size) or not np.isfinite(matrix).all():
             need = f"finite real numbers in {size[0]} rows and columns are needed"
@@ -203,7 +257,7 @@ def _matrices(path: Path, mass: Path | None, damping: Path | None) -> dict[str, 
             )
         if np.abs(matrix - matrix.T).max() > 1e-6 * np.abs(matrix).max():
             raise ValueError(f"{path}: {name} is not symmetric")
-    return {name: (matrix + matrix.T) / 2.0 for name, matrix in found.items()}
+        found[name] = (matrix + matrix.T) / 2.0
 
 
 def _market(path: Path) -> Any:

@@ -86,7 +86,12 @@ def test_a_netcdf_file(tmp_path):
     )
     assert target.frequency == (100.0, 300.0) and target.compliance == 3e-4 and target.damping_ratio is None
     for wrong, message in (
-        ({"frequency": ([1.0], "Hz")}, "no column modal_mass"),
+        ({"frequency": ([1.0], "Hz")}, "no variable modal_mass"),
+        (
+            {"freq": ([1.0], "Hz"), "phi": ([1.0], "1")},
+            "no variable frequency: frequency, and modal_mass and shape or mass_normalised_shape, are needed; the file "
+            'has "freq", "phi"$',
+        ),
         (
             {"frequency": ([1.0], None), "mass_normalised_shape": ([1.0], "1/sqrt(kg)")},
             "the attribute units is missing",
@@ -128,7 +133,7 @@ HEAD = "frequency [Hz], modal_mass [kg], shape\n"
         ("frequency [Hz], frequency [Hz]\n1,2", "two columns frequency"),
         ("frequency [Hz], modal_mass [kg], shape, damping_ratio\n1,2,3,1.5", "damping_ratio is 1.5"),
         (b"frequency \xff [Hz]", "is not a text in UTF-8: byte 10"),
-        (b"CDF\x01garbage", "no column frequency"),
+        (b"CDF\x01garbage", "no variable frequency"),
         (b"\x89HDF\r\n\x1a\ngarbage", "cannot be read as netCDF"),
     ],
 )

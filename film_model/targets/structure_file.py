@@ -20,8 +20,12 @@ MOST_BYTES = 50_000_000
 MOST_LISTED = 100_000
 """Most vibrations of a file, which are kept in the scene."""
 
+MOST_NAMED = 12
+"""Most variables that a sentence lists."""
+
 COLUMNS = ("frequency", "modal_mass", "shape", "mass_normalised_shape", "damping_ratio")
 EXAMPLE = '"frequency [Hz], modal_mass [kg], shape" or "frequency [Hz], mass_normalised_shape [1/sqrt(kg)]"'
+NEED = f"a heading such as {EXAMPLE} is needed"
 
 _STATIC = re.compile(r"^\s*#\s*static_compliance\s*=\s*(.*?)\s*$", re.MULTILINE)
 """The line of a CSV file with the static compliance."""
@@ -116,7 +120,7 @@ def _heading(place: str, cells: list[str], shapes: tuple[str, ...]) -> Iterator[
         if match is None or name not in (*COLUMNS, *shapes):
             if match is not None and name.startswith(("shape", "strain")):
                 continue  # of a sensor that is not asked for
-            hint = did_you_mean(name, COLUMNS) or f": a heading such as {EXAMPLE} is needed"
+            hint = did_you_mean(name, COLUMNS) or f": {NEED}"
             raise ValueError(f"{place}: unknown column {shown(cell.strip())}{hint}")
         if name in seen:
             raise ValueError(f"{place}: there are two columns {name}")
@@ -127,18 +131,18 @@ def _heading(place: str, cells: list[str], shapes: tuple[str, ...]) -> Iterator[
     _check_columns(place, seen, shapes)
 
 
-def _check_columns(place: str, seen: set[str], shapes: tuple[str, ...]) -> None:
+def _check_columns(place: str, seen: set[str], shapes: tuple[str, ...], word: str = "column", need: str = NEED) -> None:
     """A ValueError unless there are frequencies, and shapes in one of two ways."""
     if "frequency" not in seen:
-        raise ValueError(f"{place}: no column frequency: a heading such as {EXAMPLE} is needed")
+        raise ValueError(f"{place}: no {word} frequency: {need}")
     if "mass_normalised_shape" in seen and seen & {"modal_mass", "shape"}:
         raise ValueError(f"{place}: give mass_normalised_shape, or modal_mass and shape, not both")
     missing = {"modal_mass", "shape"} - seen
     if "mass_normalised_shape" not in seen and missing:
-        raise ValueError(f"{place}: no column {min(missing)}: a heading such as {EXAMPLE} is needed")
+        raise ValueError(f"{place}: no {word} {min(missing)}: {need}")
     for name in shapes:
         if name not in seen:
-            raise ValueError(f"{place}: no column {shown(name)}, which a sensor names")
+            raise ValueError(f"{place}: no {word} {shown(name)}, which a sensor names")
 
 
 def _factor(place: str, name: str, unit: str) -> float:
@@ -191,6 +195,9 @@ def _netcdf(path: str, shapes: tuple[str, ...]) -> tuple[list[str], dict[str, li
             found: dict[str, Any] = {
                 name: _variable(path, file, name) for name in (*COLUMNS, *shapes) if name in file.variables
             }
+            names = [shown(name) for name in file.variables]
+            has = ", ".join([*names[:MOST_NAMED], *["..."] * (len(names) > MOST_NAMED)]) or "none"
+            need = f"frequency, and modal_mass and shape or mass_normalised_shape, are needed; the file has {has}"
             static = None
             if "static_compliance" in file.variables:
                 value = _numbers(path, file.variables["static_compliance"], "static_compliance")
@@ -198,7 +205,7 @@ def _netcdf(path: str, shapes: tuple[str, ...]) -> tuple[list[str], dict[str, li
                 static = to_si(f"{float(value.ravel()[0])!r} {unit}", "compliance")
     except (OSError, RuntimeError) as error:
         raise ValueError(f"{shown(path)} cannot be read as netCDF: {error}") from None
-    _check_columns(shown(path), set(found), shapes)
+    _check_columns(shown(path), set(found), shapes, "variable", need)
     sizes = {name: len(values) for name, values in found.items()}
     if len(set(sizes.values())) > 1:
         raise ValueError(f"{shown(path)}: " + ", ".join(f"{size} values of {name}" for name, size in sizes.items()))

@@ -134,7 +134,7 @@ def test_command(bracket, tmp_path, capsys, monkeypatch):
 @pytest.mark.parametrize(
     ("change", "said"),
     [
-        (lambda text: text.replace("corner [m/s^2]", "cornr [m/s^2]"), 'did you mean "corner"'),
+        (lambda text: text.replace("corner [m/s^2]", "cornr [m/s^2]"), 'did you mean "corner"\\?$'),
         (lambda text: text.replace("corner [m/s^2]", "corner [N]"), "that of a displacement or velocity or acceler"),
         (lambda text: text.replace("half way", "corner"), "is given twice"),
         (lambda text: re.sub(r"\n505,.*", "", text), "evenly spaced"),

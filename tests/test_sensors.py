@@ -129,9 +129,14 @@ def test_shapes_come_from_the_modes_file(tmp_path):
     ("make", "message"),
     [
         (lambda: plate("clamped", ["10 mm", "51 mm"]), "0.051 m is beyond the edge at 0.05 m"),
-        (lambda: plate("clamped", ["10 mm"]), "the position has 1 distances, 2 needed"),
+        (lambda: plate("clamped", ["10 mm"]), "2 distances are needed as position, not 1"),
         (lambda: fm.Plate(STEEL, "4 mm", sensors=[{"name": "a", "position": STRUCK}]), "need a target with edges"),
         (lambda: fm.Plate(STEEL, "4 mm", size=SIZE, sensors=[{"name": "a", "shape": "b"}]), "a position is needed"),
+        (
+            lambda: fm.Plate(STEEL, "4 mm", size=SIZE, sensors=[{"name": "a", "position": STRUCK, "strain": 3}]),
+            "strain: 3 is not allowed: true, or on a structure the name of a column",
+        ),
+        (lambda: two_modes(sensors=[{"name": "a", "shap": [1.0, 1.0]}]), '^[^\\n]*; did you mean "shape"\\?$'),
         (lambda: fm.Plate(STEEL, "4 mm", size=SIZE, sensors=[{"name": "a"}]), "give position, or shape"),
         (lambda: two_modes(sensors=[{"name": "a", "shape": "b"}]), "names a column, which needs a file"),
         (lambda: two_modes(sensors=[{"name": "a", "shape": [1.0]}]), "1 values for 2 frequencies"),

@@ -158,14 +158,20 @@ class Outcome(enum.Enum):
 
 
 def did_you_mean(word: str, words: Iterable[str]) -> str:
-    """'; did you mean "velocity"?' for the most similar of `words`, or else the first that contains `word`, of four
-    letters or more; an empty text if there is none."""
+    """'; did you mean "velocity"?' for the `nearest` of `words`; an empty text if there is none."""
+    near = nearest(word, words)
+    return f'; did you mean "{near}"?' if near else ""
+
+
+def nearest(word: str, words: Iterable[str]) -> str:
+    """The most similar of `words`, or else the first that contains `word`, of four letters or more; an empty text if
+    there is none."""
     import difflib
 
     known = list(words)
     near = difflib.get_close_matches(word[:100], known, n=1, cutoff=0.6)
     near = near or [other for other in known if len(word) >= 4 and word in other]
-    return f'; did you mean "{near[0]}"?' if near else ""
+    return near[0] if near else ""
 
 
 def shown(value: object) -> str:

@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 from inspect import signature
 from typing import Any, ClassVar, Protocol, TypeVar, cast
 
-from film_model.base.errors import Mistake, SceneError, did_you_mean, raise_all, shown
+from film_model.base.errors import Mistake, SceneError, did_you_mean, nearest, raise_all, shown
 from film_model.base.units import format_si, needed, scene_unit, to_si
 
 
@@ -267,13 +267,14 @@ def build(cls: type[AnyPart], table: Mapping[str, object]) -> AnyPart:
     """An object of class `cls` from a table such as a section of a scene file."""
     fields = cast("type[Part]", cls).FIELDS
     allowed = (*fields, "diameter") if getattr(cls, "is_ball", False) else tuple(fields)
+    meant = {key: _meant(key, fields, allowed) for key in table if key not in allowed}
     mistakes = [
-        Mistake(None, None, f"{cls.__name__}.{key_text(key)}", "unknown key" + _instead(key, fields, allowed))
-        for key in table
-        if key not in allowed
+        Mistake(None, None, f"{cls.__name__}.{key_text(key)}", "unknown key" + _instead(key, near, fields, allowed))
+        for key, near in meant.items()
     ]
+    given = {near: table[key] for key, near in meant.items() if near}  # so that the entry is not missing, too
     try:
-        result = cls(**{name: table[name] for name in allowed if name in table})
+        result = cls(**given | {name: table[name] for name in allowed if name in table})
     except SceneError as error:
         mistakes += error.mistakes
         raise SceneError(mistakes) from None
@@ -285,14 +286,21 @@ SYNONYMS = {"speed": "velocity", "weight": "mass", "height": "drop_height", "ela
 """Words for entries that are not similar to them."""
 
 
-def _instead(key: str, fields: Mapping[str, Field], allowed: Sequence[str]) -> str:
-    """What an unknown key may have meant: another entry, or one of a part such as the material; else all entries."""
+def _meant(key: str, fields: Mapping[str, Field], allowed: Sequence[str]) -> str:
+    """The entry that an unknown key may have meant; an empty text if there is none."""
     if SYNONYMS.get(key) in fields:
-        return f'; did you mean "{SYNONYMS[key]}"?'
-    for name, field in fields.items():
-        if key in field.inside:
-            return f"; it is an entry of {name}: {name} = {{ {key} = ..., ... }}"
-    return did_you_mean(key, allowed) or f"; known are {', '.join(allowed)}"
+        return SYNONYMS[key]
+    return "" if any(key in field.inside for field in fields.values()) else nearest(key, allowed)
+
+
+def _instead(key: str, near: str, fields: Mapping[str, Field], allowed: Sequence[str]) -> str:
+    """What an unknown key may have meant: another entry, or one of a part such as the material; else all entries."""
+    if near:
+        return f'; did you mean "{near}"?'
+    name = next((name for name, field in fields.items() if key in field.inside), "")
+    if name:
+        return f"; it is an entry of {name}: {name} = {{ {key} = ..., ... }}"
+    return f"; known are {', '.join(allowed)}"
 
 
 def key_text(key: str) -> str:

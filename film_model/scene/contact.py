@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from functools import partial
 from typing import Any, Literal, cast
 
-from film_model.base.errors import Mistake, SimulationError, did_you_mean, raise_all, shown
+from film_model.base.errors import Mistake, SimulationError, did_you_mean, nearest, raise_all, shown
 from film_model.base.fields import Field, InUnits, choice, entry, fill, key_text, measure, table_of, words, written
 from film_model.base.units import Value, array_to_si, needed, power_stiffness_to_si, power_stiffness_unit, to_si
 from film_model.laws import LAWS, AbstractLaw, Parameter
@@ -200,10 +200,11 @@ def _read_parameters(law: str | AbstractLaw, given: Mapping[str, object], read: 
     """Read the law's parameters into `read`; return the mistakes."""
     known: Mapping[str, Parameter] = {} if law == "auto" or not isinstance(law, str) else _law(law).parameters
     mistakes = [Mistake(None, None, f"Contact.{key_text(k)}", _unknown(known, k)) for k in given if k not in known]
+    meant = {nearest(k, [*Contact.FIELDS, *known]) for k in given if k not in known}
     for name in sorted(known, key=lambda name: name != "exponent"):  # the unit of a stiffness depends on it
         key, parameter = f"Contact.{name}", known[name]
         if given.get(name) is None:
-            if parameter.required:
+            if parameter.required and name not in meant:
                 mistakes.append(Mistake(None, None, key, f'missing: law "{law}" needs it ({parameter.help})'))
             continue
         try:

@@ -29,7 +29,14 @@ def _read_shape(value: object) -> Any:
 
 
 def _read_strain(value: object) -> Any:
-    return value if isinstance(value, bool) else _read_shape(value)
+    if isinstance(value, str) or items_of(value):
+        return _read_shape(value)
+    if not isinstance(value, bool):
+        raise ValueError(f"{shown(value)} is not allowed: {STRAIN}")
+    return value
+
+
+STRAIN = "true, or on a structure the name of a column of the modes file, is needed"
 
 
 @dataclass(frozen=True, init=False, repr=False)
@@ -49,9 +56,7 @@ class Sensor(InUnits):
     shape: str | tuple[float, ...] | None = entry(
         Field(_read_shape, "the name of a column of the modes file is needed")
     )
-    strain: bool | str | tuple[float, ...] = entry(
-        Field(_read_strain, "true, or on a structure the name of a column of the modes file, is needed")
-    )
+    strain: bool | str | tuple[float, ...] = entry(Field(_read_strain, STRAIN))
 
     def __init__(
         self,
@@ -153,7 +158,8 @@ def sensor_mistakes(
         if sensor.position is None:
             found.append(mistake(owner, "sensors", f"{shown(sensor.name)}: a position is needed, not a shape"))
         elif len(sensor.position) != len(sides):
-            wrong = f"{shown(sensor.name)}: the position has {len(sensor.position)} distances, {len(sides)} needed"
+            need = "one distance is" if len(sides) == 1 else f"{len(sides)} distances are"
+            wrong = f"{shown(sensor.name)}: {need} needed as position, not {len(sensor.position)}"
             found.append(mistake(owner, "sensors", wrong))
         else:
             off = [(x, side) for x, side in zip(sensor.position, sides, strict=True) if x > side]

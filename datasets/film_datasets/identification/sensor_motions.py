@@ -46,7 +46,8 @@ def sensor_motions(
                 raise ValueError("is given twice")
             found[key or heading] = _quantity(unit, ("time",) if key == "t" else tuple(MOTION))
             if key is None:
-                raise ValueError(f"is no sensor of the scene{did_you_mean(name, sensors)}: it has {', '.join(sensors)}")
+                hint = did_you_mean(name, sensors) or f": it has {', '.join(sensors)}"
+                raise ValueError(f"is no sensor of the scene{hint}")
         except ValueError as error:
             mistakes.append(Mistake(file, head, "", f"column {shown(heading.strip())} {error}"))
     if "t" not in found:

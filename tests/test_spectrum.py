@@ -1,5 +1,6 @@
 """Impacts over frequency: closed forms of the force's spectrum, and responses against systems of equations."""
 
+import csv
 import json
 import math
 
@@ -156,6 +157,11 @@ def test_command(tmp_path, capsys):
     assert main(command) == 0 and "force down by 10 dB at" in capsys.readouterr().out
     head, *rows = table.read_text().splitlines()
     assert head.startswith('frequency [Hz],"force, real [N*s]"') and "receptance tenth" in head and len(rows) == 1000
+    first = dict(zip(next(csv.reader([head])), map(float, rows[0].split(",")), strict=True))
+    square = (2.0 * math.pi * first["frequency [Hz]"]) ** 2
+    for part in ("real", "imaginary"):
+        expected = -square * first[f"receptance tenth, {part} [m/N]"]
+        assert first[f"accelerance tenth, {part} [1/kg]"] == pytest.approx(expected, rel=1e-12)
     assert head.endswith('"strain_x tenth, imaginary [1/N]"') and not {"", "nan"} & set(rows[0].split(","))
     assert picture.read_bytes().startswith(b"\x89PNG")
     assert main(["spectrum", str(path), "--json"]) == 0

@@ -82,7 +82,14 @@ class Spectrum:
         columns = {"frequency [Hz]": self.frequency}
         for name, unit, values in (
             ("force", "N*s", self.force),
-            *((f"receptance {name}", "m/N", row) for name, row in zip(self.points, self.receptance, strict=True)),
+            *(
+                (f"{what} {name}", unit, row)
+                for what, unit, rows in (
+                    ("receptance", "m/N", self.receptance),
+                    ("accelerance", "1/kg", self.accelerance),
+                )
+                for name, row in zip(self.points, rows, strict=True)
+            ),
             *(
                 (f"{what} {name}", STRAINS[what], row)
                 for what, rows in self.strain.items()

@@ -203,6 +203,7 @@ def dmig(written, commas=False):
             text += written("DMIG", name, 101 + k, 3, "", *terms[:4])
             for at in range(4, len(terms), 4):
                 text += written("", *terms[at : at + 4]) if written is small else large("", *terms[at : at + 4])
+    text += written("DMIG", "MUG1", 0, 9, 2, 0, "", "", 1) + written("DMIG", "MUG1", 1, 1, "", 8, 1, 2.0)
     text += written("DMIG", "PAX", 0, 9, 2, 0, "", "", 1) + written("DMIG", "K4AAX", 7, 1, "", 8, 1, 2.0)
     return text + "ASET1   123     101     THRU    130\n"
 
@@ -236,13 +237,14 @@ def test_entries_of_nastran(tmp_path):
     assert 2 * math.pi * found.frequency == pytest.approx(np.sqrt(np.sort(square)), rel=1e-12)
     text = path.read_text()
     for old, new, said in (
-        ("K2GG,0,6,1", "K2GG,0,9,1", "DMIG K2GG: form 9, type 1: form 1 or 6"),
+        ("K2GG,0,6,1", "K2GG,0,9,1", "no matrix K: square DMIG"),
+        ("K2GG,0,6,1", "K2GG,0,7,1", "DMIG K2GG: form 7, type 1: form 1 or 6"),
         ("K2GG,0,6,1", "K2GG,0,6,3", "form 6, type 3"),
         ("DMIG,K2GG,0,6,1\n", "", "DMIG K2GG: the entry with its form is missing"),
         ("DMIG,K2GG,1,3", "DMIG,KB,1,3", "matrices K2GG and KB: one with a name in K is needed"),
         ("3.+5", "3.x5", 'DMIG K2GG: "3.X5" is not a real number'),
         ("m2gg,1,3", "m2gg,a,3", '"A", "3": the numbers of a point and a component'),
-        ("K2GG", "P2G", "no matrix K: entries DMIG whose names begin with K and M are needed"),
+        ("K2GG", "P2G", "no matrix K: square DMIG whose names begin with K and M are needed"),
     ):
         path.write_text(text.replace(old, new))
         with pytest.raises(ValueError, match=re.escape(said)):

@@ -10,7 +10,7 @@ import numpy as np
 from film_model.base.arrays import Array
 from film_model.base.errors import shown
 
-SQUARE, SYMMETRIC = "1", "6"
+SQUARE, SYMMETRIC, RECTANGULAR = "1", "6", ("2", "9")
 """Forms of matrices; of a symmetric one half is there."""
 
 KINDS = {"K": "K", "M": "M", "B": "C"}
@@ -26,13 +26,16 @@ Point = tuple[int, int]
 def read_dmig(path: Path, most: int) -> tuple[dict[str, Array], list[Point]]:
     """K, M and C of matrices whose names begin with K (not K4, of structural damping), M and B, and their rows' points.
 
-    Fields of 8 or 16 characters, or between commas. Raises ValueError for rectangular or complex matrices, two whose
-    names begin alike, or more than `most` rows.
+    Fields of 8 or 16 characters, or between commas. Rectangular matrices are left out. Raises ValueError for complex
+    ones, two whose names begin alike, or more than `most` rows.
     """
+    others = set[str]()
     names, forms, terms = dict[str, str](), dict[str, str](), dict[str, dict[tuple[Point, Point], float]]()
     for name, first, *rest in _entries(path.read_text("utf-8", errors="replace")):
         kind = KINDS.get(name[:1], "") if name[:2] != "K4" else ""
-        if not kind:
+        if first == "0" and rest[0] in RECTANGULAR:
+            others.add(name)
+        if not kind or name in others:
             continue
         if names.setdefault(kind, name) != name:
             raise ValueError(f"{path}: matrices {names[kind]} and {name}: one with a name in {name[0]} is needed")

@@ -244,7 +244,7 @@ def _check_matrices(path: Path, found: dict[str, Array]) -> None:
     """Make K, M and, if given, C exactly symmetric; a ValueError unless they are symmetric and of one size."""
     for name in ("K", "M"):
         if name not in found:
-            need = NEEDED.get(path.suffix.lower(), "entries DMIG whose names begin with K and M are needed")
+            need = NEEDED.get(path.suffix.lower(), "square DMIG whose names begin with K and M are needed")
             raise ValueError(f"{path}: no matrix {name}: {need}")
     size = (*found["K"].shape, 0)[:1]
     for name, matrix in found.items():

@@ -322,7 +322,7 @@ def _constants() -> dict[str, Any]:
 
 def _friction() -> dict[str, Any]:
     """The numbers of :mod:`film_model.oblique` and of the strobe picture."""
-    return support.numbers_of(rows, ("SPRINGS", "STEPS", "SAFETY", "TURN", "SLIDING")) | {
+    return support.numbers_of(rows, ("SPRINGS", "STEPS", "EASY", "FEWEST", "SAFETY", "TURN", "SLIDING")) | {
         **{"closed": oblique.CLOSED, "open": OPEN, "modelled": MODELLED, "regimes": REGIMES, "phases": PHASES},
         **support.numbers_of(strobe, ("BALLS", "SPACING")),
     }

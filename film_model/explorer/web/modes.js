@@ -303,7 +303,8 @@ function runOnModes(scene, n, problem, samples, slides) {
   const sample = (/** @type {Float64Array} */ times) => sampleModes(outcome, problem, times);
   const motion = sampledAt(scene, problem, [last, ...outcome.events.map((event) => event.time / p.time)], samples, sample);
   const error = outcome.error + law.fit_error;
-  const oblique = slides ? obliqueOf(scene, n, problem, summary, { duration: outcome.events.at(-1)?.time ?? 0, error }, sample) : null;
+  const contacts = ["contact_begins", "contact_ends"].map((kind) => outcome.events.filter(({ name }) => name === kind).map(({ time }) => time));
+  const oblique = slides ? obliqueOf(scene, n, problem, summary, { contacts, error }, sample) : null;
   CORE.top = outcome.top;
   return { summary, warnings, error, counts: [], segments: outcome.count, modes: outcome.structure.count, motion, oblique, status: separated ? EVENT : 0, law };
 }

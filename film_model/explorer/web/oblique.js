@@ -10,7 +10,7 @@
 /**
  * The motion along the surface; null without friction, or if nothing slides.
  * @param {Scene} scene @param {any} n @param {Problem} problem @param {Record<string, number>} summary
- * @param {{duration: number, error: number}} own of the normal motion, s and relative @param {(times: Float64Array) => {values: Float64Array}} sample it, at times of the march @returns {Oblique|null}
+ * @param {{contacts: number[][], error: number}} own of the normal motion, begins and ends, s, and relative @param {(times: Float64Array) => {values: Float64Array}} sample it, at times of the march @returns {Oblique|null}
  */
 function obliqueOf(scene, n, problem, summary, own, sample) {
   const { along } = scene.base;
@@ -89,13 +89,14 @@ function phasesAt(view, at, layout, count, unit) {
 /**
  * By springs beside each other that slip, under two models of the stiffness along the surface if the law yields.
  * @param {Scene} scene @param {any} n @param {Problem} problem @param {any} given
- * @param {number} rebound m/s @param {{duration: number, error: number}} own @param {(times: Float64Array) => {values: Float64Array}} sample
+ * @param {number} rebound m/s @param {{contacts: number[][], error: number}} own @param {(times: Float64Array) => {values: Float64Array}} sample
  */
 function frictionOfSprings(scene, n, problem, given, rebound, own, sample) {
   const { p, law, curve } = problem;
-  const { duration } = own;
-  const { springs, steps, safety, turn, sliding } = DATA.constants.friction;
-  const time = Float64Array.from({ length: steps + 1 }, (_, k) => (k === steps ? duration : k * (duration / steps)));
+  const [begins, stops] = own.contacts;
+  const { springs, safety, turn, sliding, easy, fewest, steps: most } = DATA.constants.friction;
+  const steps = Math.max(4 * Math.floor((most * easy) / Math.max(begins.length, easy) / 4), fewest); // of each contact
+  const time = Float64Array.from(begins.flatMap((begin, i) => Array.from({ length: steps + 1 }, (_, k) => (k === steps ? stops[i] : begin + k * ((stops[i] - begin) / steps)))));
   const { values } = sample(time.map((t) => t / p.time));
   const convert = FORMULAS[scene.base.free ? "motionFree" : "motionFixed"];
   const normal = Array.from(time, (t, k) => convert(p, t, values, 5 * k));
@@ -104,14 +105,16 @@ function frictionOfSprings(scene, n, problem, given, rebound, own, sample) {
   const radii = law.dissipates ? radiiBeyondYield(force, depth, force.map((F, k) => FORMULAS.contactRadius(p, n, F, depth[k]).radius), n.effective_modulus)
     : [elasticRadii(curve, p, force, depth, n.effective_modulus)];
   const power = CORE.c.film_springs_power(curve);
-  const runs = radii.map((radius) => followSprings(springs, { ...given, power }, time, force, radius));
+  const runs = radii.map((radius) => followSprings(springs, { ...given, power }, begins, steps, time, force, radius));
   const [{ velocity, friction, largest, step, regime, events }] = runs;
-  const impulse = n.impactor_mass * (n.speed - rebound) + p.load * p.force * duration; // of the normal force
+  const impulse = n.impactor_mass * (n.speed - rebound) + p.load * p.force * stops[stops.length - 1]; // of the normal force
+  const seen = force.reduce((sum, F, k) => sum + (k > 0 ? 0.5 * (F + force[k - 1]) * (time[k] - time[k - 1]) : 0), 0);
+  const missed = Math.max(own.error, Math.abs(seen / impulse - 1));
   const slid = given.velocity - (Math.sign(given.velocity) * given.friction * impulse) / given.mass;
-  const ends = runs.map((run) => (run.slack <= sliding ? slid : run.velocity[steps]));
+  const ends = runs.map((run) => (run.slack <= sliding ? slid : run.velocity[time.length - 1]));
   const before = Math.abs(given.velocity);
   const least = [0, (turn * before) / steps];
-  const errors = runs.map((run, k) => Math.max(safety * run.error, least[k]) + 2 * own.error * before); // 2: as error_of_force in Python
+  const errors = runs.map((run, k) => Math.max(safety * run.error, least[k]) + 2 * missed * before); // 2: as error_of_force in Python
   const bounds = (/** @type {number} */ sign) => (runs.length > 1 ? ends.map((end, k) => end + sign * errors[k]) : ends);
   return {
     after: ends[0],
@@ -147,14 +150,14 @@ function radiiBeyondYield(force, depth, law, modulus) {
   return radii;
 }
 
-/** Sliding velocity and friction force at the times, and what the core says of them. @param {number} count @param {any} given @param {Float64Array} time @param {Float64Array} force @param {Float64Array} radius */
-function followSprings(count, { modulus, power, friction, mass, velocity }, time, force, radius) {
+/** Sliding velocity and friction force at the times, and what the core says of them. @param {number} count @param {any} given @param {number[]} begins of contacts @param {number} steps of each @param {Float64Array} time @param {Float64Array} force @param {Float64Array} radius */
+function followSprings(count, { modulus, power, friction, mass, velocity }, begins, steps, time, force, radius) {
   const { layout: { springs, watch }, top, c } = CORE;
-  const steps = time.length - 1;
   const result = CORE.allocate(springs.size);
-  const columns = [force, radius].map((column) => CORE.numbersAt(Array.from(column)));
+  const each = begins.map((begin, k) => time[k * (steps + 1) + 1] - begin);
+  const [starts, step, ...columns] = [begins, each, force, radius].map((column) => CORE.numbersAt(Array.from(column)));
   const found = CORE.allocate(24 * time.length);
-  const status = c.film_springs_impact(count, modulus, power, mass, velocity, CORE.numbersAt([0, friction]), 1, time[1] - time[0], BigInt(steps), ...columns, result, found);
+  const status = c.film_springs_impact(count, modulus, power, mass, velocity, CORE.numbersAt([0, friction]), 1, BigInt(begins.length), starts, step, BigInt(steps), ...columns, result, found);
   if (status !== 0) throw new Failure(status);
   const rows = new Float64Array(c.memory.buffer, found, 3 * time.length);
   const [v, q] = [0, 1].map((which) => time.map((_, k) => rows[3 * k + which]));

@@ -360,7 +360,7 @@ function run(scene, n, problem, samples, slides = false) {
   const sample = (/** @type {Float64Array} */ times) => CORE.sample(problem.curve, record, times);
   const motion = sampledAt(scene, problem, ends, samples, sample);
   const error = mesh.estimated + law.fit_error;
-  const oblique = slides ? obliqueOf(scene, n, problem, summary, { duration: ends[0] * p.time, error }, sample) : null;
+  const oblique = slides ? obliqueOf(scene, n, problem, summary, { contacts: [[0], [ends[0] * p.time]], error }, sample) : null;
   CORE.top = record.top;
   return { summary, warnings, error, counts: mesh.counts, segments: record.count - 1, modes: 0, motion, oblique, status: record.status, law };
 }

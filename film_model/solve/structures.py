@@ -30,7 +30,7 @@ ABOVE = 1.5
 
 
 SLOWEST = 2.0**-20
-"""Frequency, rad/s, from which the lowest one is sought: a period of ten weeks."""
+"""Frequency over that of `rate_of` from which the lowest one is sought: a period of ten weeks where that is 1 rad/s."""
 
 
 @dataclass(frozen=True)
@@ -157,7 +157,7 @@ def computable(target: AbstractTarget, highest: float, unit: float, least: float
     """The frequency, `highest` or less by powers of 2^(1/2), up to which the modes can be computed. TooManyModes if it
     is below `least`."""
     while True:
-        highest = rounded(highest)
+        highest = rounded(highest, rate_of(target))
         try:
             structure_of(target, highest, unit)
         except TooManyModes:
@@ -189,7 +189,7 @@ def lowest_frequency(target: AbstractTarget) -> float:
 
 
 def _lowest(target: AbstractTarget) -> float:
-    highest, rigid, growth = SLOWEST, False, 16.0  # four times the half-waves along a side take as long as few
+    highest, rigid, growth = SLOWEST * rate_of(target), False, 16.0  # four times the half-waves along a side take as long as few
     for _ in range(120):
         try:
             found = target.modes(highest).frequency
@@ -220,7 +220,12 @@ def _by_target(kept: Any, made: Any, *arguments: Any) -> Any:
         return made(*arguments)
 
 
-def rounded(value: float) -> float:
-    """The power of 2^(1/4) that is not below `value`, so that similar impacts on a target share its tables; of such a
-    power with rounding errors, itself."""
-    return 2.0 ** (math.ceil(4.0 * math.log2(value) - 1e-9) / 4.0)
+def rate_of(target: AbstractTarget) -> float:
+    """A frequency in which those of similar targets, such as plates of any thickness, are the same, rad/s."""
+    return 1.0 / (target.longest_time or 1.0)
+
+
+def rounded(value: float, unit: float = 1.0) -> float:
+    """`unit` times the power of 2^(1/4) that is not below `value`, so that similar impacts on a target share its
+    tables, and those on similar targets their modes; of such a power with rounding errors, itself."""
+    return unit * 2.0 ** (math.ceil(4.0 * math.log2(value / unit) - 1e-9) / 4.0)

@@ -167,7 +167,8 @@ def vibrate(
     """
     unit = problem.scales.time
     still, lowest, limit = _on_a_fixed_target(problem), structures.lowest_frequency(target), time_limit(problem, target)
-    first = structures.rounded(max(FIRST_PHASE / (still.time_of_maximum_indentation * unit), 4.0 * lowest))
+    fast = FIRST_PHASE / (still.time_of_maximum_indentation * unit)
+    first = structures.rounded(max(fast, 4.0 * lowest), structures.rate_of(target))
     tried, carried = [first], structures.CARRIED if problem.stretches else 0
 
     def modes(highest: float) -> structures.Structure:

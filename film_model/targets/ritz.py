@@ -70,6 +70,9 @@ TOO_SOFT = "the stiffness of the plate's edges or bed is too small, or too large
 LEAST = 8
 """Shapes along each side at least: ten vibrations then have errors below 1e-5, with corners clamped-free 1e-4."""
 
+DIGITS = 12
+"""Significant digits of the ratios by which plates are similar: rounding in the division changes the last four."""
+
 
 @dataclass(frozen=True)
 class Panel:
@@ -97,16 +100,40 @@ class Panel:
         edges = tuple(map(panels.EDGES.index, self.edges))
         return panels.Panel(self.mass_per_area, *self.stiffness, *self.size, self.springs, self.foundation, edges)
 
+    @cached_property
+    def unit(self) -> Panel:
+        """The similar plate with a = D11 = ρ_A = 1, whose time is in a² √(ρ_A/D11): that of any thickness, without
+        springs and bed. Its numbers are rounded to `DIGITS`."""
+        (d11, *_), (a, b) = self.stiffness, self.size
+        d11, d12, d22, d66 = (to_digits(d / d11) for d in self.stiffness)
+        springs, bed = (to_digits(k * a**3 / d11) for k in self.springs), to_digits(self.foundation * a**4 / d11)
+        return Panel(1.0, (d11, d12, d22, d66), (1.0, b / a), self.edges, (*springs,), bed)
 
-@lru_cache(maxsize=16)
-@one_thread
+
+def to_digits(value: float) -> float:
+    """The value to `DIGITS` significant digits."""
+    return float(f"{value:.{DIGITS}g}")
+
+
 def panel_modes(panel: Panel, position: tuple[float, float], highest: float, others: Points = ()) -> Modes:
     """The vibrations of a plate struck at `position` [m] up to the frequency `highest` [rad/s]. others: sensors, m, or
     with orders of derivatives.
 
-    TooManyModes beyond MOST_FUNCTIONS.
+    Those of the similar plate `Panel.unit`: plates of all thicknesses share them. TooManyModes beyond MOST_FUNCTIONS.
     """
-    points = (position, *others)
+    a, points = panel.size[0], (position, *others)
+    rate, mass = math.sqrt(panel.stiffness[0] / panel.mass_per_area) / a**2, panel.mass_per_area * a**2
+    places = tuple((x / a, y / a, *orders) for x, y, *orders in points)
+    found = _unit_modes(panel.unit, places, to_digits(highest / rate))
+    slopes = a ** -np.array([sum(point[2:]) for point in others], float)[:, None]
+    return Modes(rate * found.frequency, found.share / mass, factor=found.factor / mass * slopes)
+
+
+@lru_cache(maxsize=64)
+@one_thread
+def _unit_modes(panel: Panel, points: Points, highest: float) -> Modes:
+    """The same of any plate, seen from the first of some points. Kept: at most 1 MB each, without sensors."""
+    position = points[0][:2]
     if SIMPLE in panel.ends:
         return seen_modes(panel, _strips(panel, points, highest), highest)
     waves = [panels.waves(panel.core, along, highest) for along in (0, 1)]

@@ -288,7 +288,8 @@ def test_half_waves_between_simply_supported_edges_are_accurate(monkeypatch: pyt
     place = 0.21, 0.0333
     found = panel_modes(strip, place, 2e6)
     monkeypatch.setattr(ritz, "SPARE", ritz.SPARE + 24)
-    more = panel_modes.__wrapped__(strip, place, 2e6)
+    ritz.unit_modes.cache_clear()
+    more = panel_modes(strip, place, 2e6)
     assert found.frequency.size > 500
     np.testing.assert_allclose(found.frequency, more.frequency, rtol=1e-9)
     np.testing.assert_allclose(found.share, more.share, atol=1e-8 * more.share.max())

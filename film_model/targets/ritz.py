@@ -104,9 +104,9 @@ class Panel:
     def unit(self) -> Panel:
         """The similar plate with a = D11 = ρ_A = 1, whose time is in a² √(ρ_A/D11): that of any thickness, without
         springs and bed. Its numbers are rounded to `DIGITS`."""
-        (d11, *_), (a, b) = self.stiffness, self.size
-        d11, d12, d22, d66 = (to_digits(d / d11) for d in self.stiffness)
-        springs, bed = (to_digits(k * a**3 / d11) for k in self.springs), to_digits(self.foundation * a**4 / d11)
+        (a, b), d = self.size, self.stiffness[0]
+        d11, d12, d22, d66 = (to_digits(each / d) for each in self.stiffness)
+        springs, bed = (to_digits(k * a**3 / d) for k in self.springs), to_digits(self.foundation * a**4 / d)
         return Panel(1.0, (d11, d12, d22, d66), (1.0, b / a), self.edges, (*springs,), bed)
 
 
@@ -124,14 +124,14 @@ def panel_modes(panel: Panel, position: tuple[float, float], highest: float, oth
     a, points = panel.size[0], (position, *others)
     rate, mass = math.sqrt(panel.stiffness[0] / panel.mass_per_area) / a**2, panel.mass_per_area * a**2
     places = tuple((x / a, y / a, *orders) for x, y, *orders in points)
-    found = _unit_modes(panel.unit, places, to_digits(highest / rate))
+    found = unit_modes(panel.unit, places, to_digits(highest / rate))
     slopes = a ** -np.array([sum(point[2:]) for point in others], float)[:, None]
     return Modes(rate * found.frequency, found.share / mass, factor=found.factor / mass * slopes)
 
 
 @lru_cache(maxsize=64)
 @one_thread
-def _unit_modes(panel: Panel, points: Points, highest: float) -> Modes:
+def unit_modes(panel: Panel, points: Points, highest: float) -> Modes:
     """The same of any plate, seen from the first of some points. Kept: at most 1 MB each, without sensors."""
     position = points[0][:2]
     if SIMPLE in panel.ends:

@@ -47,7 +47,7 @@ IN_CONTACT = 2048
 between them differs by 1e-6 of itself where it is a half-sine."""
 
 MOST_TIMES = 2**14
-"""Number of even times in all, or up to twice as many, where a smaller part of them is in contact."""
+"""Number of even times in all, or up to 1.2 times as many, where a smaller part of them is in contact."""
 
 SLOW = 1e-4
 """Angle that a motion of frequency 0 turns by in all: as a vibration it is then exact to SLOW²/6 = 2e-9."""
@@ -244,8 +244,8 @@ class Peaks:
     """The largest motions of a structure's sensors, for any number of impacts on the modes up to `highest`, rad/s.
 
     They are the largest of evenly spaced times from first touch to the last event, `IN_CONTACT` of them in
-    contact or `MOST_TIMES` in all, or up to twice as many. Between them the force is taken as linear; the responses to
-    such a force are exact, and are kept.
+    contact or `MOST_TIMES` in all, or up to 1.2 times as many. Between them the force is taken as linear; the responses
+    to such a force are exact, and are kept.
     """
 
     def __init__(self, target: AbstractTarget, highest: float) -> None:
@@ -260,11 +260,12 @@ class Peaks:
             return np.zeros((len(quantities_of(self._target)), len(self._target.sensors or ())))
         touching = float(np.minimum(steps["h"], duration)[steps["flight"] < 0].sum())
         longest = max(touching / IN_CONTACT, duration / MOST_TIMES)
-        dt = 2.0 ** math.floor(math.log2(longest))  # impacts of about equal duration share their responses
+        dt = 2.0 ** (math.floor(4.0 * math.log2(longest)) / 4.0)  # impacts of about equal duration share responses
         count = math.ceil(duration / dt) + 1
         if replay is not None:
             return np.abs(split_rows(self._target, replay(np.minimum(dt * np.arange(count), duration)))).max(axis=-1)
-        size = 1 << count.bit_length()
+        step = 1 << max(count.bit_length() - 4, 0)  # of sizes with small prime factors
+        size = math.ceil(count / step) * step
         if (key := (dt, size)) not in self._kept:
             self._kept[key] = np.fft.rfft(responses(self._modes, dt, size), 2 * size)
         times: Array = dt * np.arange(float(count))

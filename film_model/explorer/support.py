@@ -102,7 +102,8 @@ def data(choice: Choice) -> tuple[dict[str, Any] | None, str]:
     if modes.tables.count > MOST_MODES:
         return None, f"the {target.kind} moves by {modes.tables.count} natural vibrations, too many for a page"
     found["lacking"] = target.omitted(target.modes(ALL), ALL) if whole else None
-    found |= {"lowest": structures.lowest_frequency(target), "highest": modes.highest}
+    found |= {"lowest": structures.lowest_frequency(target), "rate": structures.rate_of(target)}
+    found["highest"] = modes.highest
     if carried:
         few = structures.structure_of(target, modes.highest, own.unit, carried // 2).tables.forms.shape[1]
         halves = [[row[: i + 1].tolist() for i, row in enumerate(form)] for form in modes.tables.forms]

@@ -189,7 +189,8 @@ def lowest_frequency(target: AbstractTarget) -> float:
 
 
 def _lowest(target: AbstractTarget) -> float:
-    highest, rigid, growth = SLOWEST * rate_of(target), False, 16.0  # four times the half-waves along a side take as long as few
+    highest, rigid = SLOWEST * rate_of(target), False
+    growth = 16.0  # four times the half-waves along a side take as long as few
     for _ in range(120):
         try:
             found = target.modes(highest).frequency

@@ -20,15 +20,16 @@ function supportNow(scene) {
     key: `${support.key} ${ratios}`,
     compliance: support.compliance / (modulus * thickness ** 3),
     lowest: rate * support.lowest,
+    rate: rate * support.rate,
     highest: rate * support.highest,
     modes: support.modes && { frequency: scaled(frequency, rate), share: scaled(share, 1 / mass), ratio },
     stiffer: Math.sqrt(modulus * thickness),
   };
 }
 
-/** The power of 2^(1/4) that is not below a value. @param {number} value */
-function rounded(value) {
-  return 2 ** (Math.ceil(4 * Math.log2(value)) / 4);
+/** The power of 2^(1/4) times a unit that is not below a value. @param {number} value */
+function rounded(value, unit = 1) {
+  return unit * 2 ** (Math.ceil(4 * Math.log2(value / unit) - 1e-9) / 4);
 }
 
 /** Compliance of a target's modes from the one with this number on, m/N. @param {any} support @param {number} count */
@@ -228,7 +229,8 @@ function vibrate(scene, problem) {
   const slow = Math.PI * Math.sqrt(p.mass * support.compliance);
   const period = support.lowest > 0 ? (2 * Math.PI) / support.lowest : 0;
   const limit = rule.longest * (still.contact_duration * p.time + slow + period);
-  const first = rounded(Math.max(rule.first_phase / (still.time_of_maximum_indentation * p.time), 4 * support.lowest));
+  const fast = rule.first_phase / (still.time_of_maximum_indentation * p.time);
+  const first = rounded(Math.max(fast, 4 * support.lowest), support.rate);
   const rattles = !law.series && structureOf(scene, first, rounded(p.time), law.series).omitted > 0;
   let [highest, most] = [first, Math.min(support.highest, rattles ? rule.highest * first : Infinity)];
   const cut = 2 * first > support.highest;

@@ -35,7 +35,8 @@ function plateNow(scene) {
   if (CORE.plate.key === key) return CORE.plate;
   const whole = /** @type {any} */ ({ a, b, edges, ...numbers });
   const plate = edges.some((edge) => edge !== 0) ? ofEdges(whole, point) : ofSimpleEdges(whole, point);
-  CORE.plate = Object.assign(plate, { key, part, lacking: null, modes: {} });
+  const rate = (Math.PI * Math.sqrt(Math.max(whole.d11, whole.d22) / whole.mass)) / Math.min(a, b) ** 2;
+  CORE.plate = Object.assign(plate, { key, part, rate, lacking: null, modes: {} });
   return CORE.plate;
 }
 

@@ -16,7 +16,7 @@ from film_model.effects.choose import choose
 from film_model.targets import Modes, plate_statics, ritz
 from film_model.targets.line_functions import line, polynomials
 from film_model.targets.modes import pulse_response
-from film_model.targets.panel_statics import panel_compliance
+from film_model.targets.panel_statics import panel_compliance, unit_compliance
 from film_model.targets.plate_modes import plate_modes
 from film_model.targets.ritz import Panel, panel_modes
 
@@ -280,6 +280,31 @@ def test_too_many_functions_are_refused_with_a_sentence():
         panel_modes(panel("CCCC"), (0.4, 0.3), 1e12)
     with pytest.raises(fm.SimulationError, match="half-waves along one side, each with up to"):
         panel_modes(panel("SSCF"), (0.4, 0.3), 1e7)
+
+
+def test_similar_plates_share_their_vibrations():
+    """Plates of other thickness are the same plate in other units, and a result does not depend on those before."""
+    held = Panel(11.0, (300.0, 90.0, 250.0, 105.0), (0.3, 0.2), (WORDS["F"],) * 4, (1e4, 0.0, 2e4, 0.0), 1e6)
+    points = ((0.11, 0.07), (0.2, 0.15), (0.1, 0.1, 2.0, 0.0))
+    found, own = panel_modes(held, points[0], 9e4, points[1:]), ritz.unit_modes(held, points, 9e4)
+    np.testing.assert_allclose(found.frequency, own.frequency, rtol=1e-9)
+    np.testing.assert_allclose(found.share, own.share, atol=1e-8 * own.share.max())
+    largest = np.abs(own.factor).max(axis=1)[:, None]
+    np.testing.assert_allclose(found.factor / largest, own.factor / largest, atol=1e-6)
+    assert panel_compliance(held, points[0]) == pytest.approx(unit_compliance(held, points[0])[0], rel=1e-10)
+
+    def modes(thickness):
+        plate = fm.Plate("mild steel", f"{thickness} mm", size=["0.2 m", "0.17 m"], edges="clamped")
+        return plate.modes(1e6 * thickness / 3.0)
+
+    thicknesses = np.linspace(3.0, 6.0, 7)
+    rows = [modes(thickness) for thickness in thicknesses]
+    misses = ritz.unit_modes.cache_info().misses
+    ritz.unit_modes.cache_clear()
+    again = [modes(thickness) for thickness in thicknesses[::-1]][::-1]
+    assert misses > ritz.unit_modes.cache_info().misses == 1
+    for row, same in zip(rows, again, strict=True):
+        assert row.frequency.tobytes() == same.frequency.tobytes() and row.share.tobytes() == same.share.tobytes()
 
 
 def test_half_waves_between_simply_supported_edges_are_accurate(monkeypatch: pytest.MonkeyPatch):

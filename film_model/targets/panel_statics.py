@@ -55,13 +55,14 @@ def panel_compliance(panel: Panel, position: tuple[float, float]) -> float:
 def compliance_and_error(panel: Panel, position: tuple[float, float]) -> tuple[float, float]:
     """The static deflection over force, m/N, as of `panel_compliance`, and a bound on its error."""
     (x, y), a = position, panel.size[0]
-    value, error = _unit_compliance(panel.unit, (x / a, y / a))
+    value, error = unit_compliance(panel.unit, (x / a, y / a))
     return value * a**2 / panel.stiffness[0], error * a**2 / panel.stiffness[0]
 
 
 @lru_cache(maxsize=64)
 @one_thread
-def _unit_compliance(panel: Panel, position: tuple[float, float]) -> tuple[float, float]:
+def unit_compliance(panel: Panel, position: tuple[float, float]) -> tuple[float, float]:
+    """The same of any plate, by itself."""
     (x, y), (a, b), (d11, _, d22, _) = position, panel.size, panel.stiffness
     simple = [panel.ends[k] == SIMPLE and not any(panel.springs[2 * k : 2 * k + 2]) for k in (0, 1)]
     nearer = min(y, b - y) / d22**0.25 < min(x, a - x) / d11**0.25

@@ -132,7 +132,7 @@ def panel_modes(panel: Panel, position: tuple[float, float], highest: float, oth
 @lru_cache(maxsize=64)
 @one_thread
 def unit_modes(panel: Panel, points: Points, highest: float) -> Modes:
-    """The same of any plate, seen from the first of some points. Kept: at most 1 MB each, without sensors."""
+    """The same of any plate by itself, struck at the first of the points."""
     position = points[0][:2]
     if SIMPLE in panel.ends:
         return seen_modes(panel, _strips(panel, points, highest), highest)

@@ -17,12 +17,14 @@ from typing import Any
 
 import numpy as np
 
+import film_datasets as fd
 import film_model as fm
 from benchmarks.modal_integrators import dormand_prince, newmark
 from film_model.base import units
 from film_model.effects.choose import problem_of
 from film_model.solve import structures, vibration
 from film_model.studies import modal_reference
+from film_model.targets import panel_statics, ritz
 
 OLSSON = fm.Scene.from_toml(Path(__file__).parent.parent / "examples" / "scenes" / "olsson_plate.toml")
 HIGHEST = 4e6  # rad/s: 671 modes of the paper's plate
@@ -90,14 +92,72 @@ def whole(name: str, scene: fm.Scene, accuracy: float) -> None:
     print(f"  {name:22} {spent:9.1f} ms  {run.modes:6} modes, {run.contacts:3} contacts, estimated {error:.0e}")
 
 
+def struck(target: fm.Plate | fm.Beam) -> fm.Scene:
+    """A steel ball at 1 m/s on a target."""
+    return fm.Scene(fm.Sphere("10 mm", "1 m/s", material="bearing steel"), target, fm.Contact("hertz"))
+
+
+def pane(**entries: Any) -> fm.Plate:
+    """An aluminium plate of 200 x 200 x 4 mm."""
+    return fm.Plate("aluminium 6061-T6", "4 mm", size=["200 mm", "200 mm"], **entries)
+
+
+def cold(scene: fm.Scene) -> fm.History:
+    """A simulation with vibrations that are not kept."""
+    structures.forget()
+    ritz.unit_modes.cache_clear()
+    panel_statics.unit_compliance.cache_clear()
+    return fm.simulate(scene)
+
+
+def refused(scene: fm.Scene) -> str:
+    """The sentence with which a scene is refused; an error if it is not."""
+    try:
+        fm.simulate(scene)
+    except fm.SimulationError as error:
+        return str(error)
+    raise AssertionError("the scene is simulated")
+
+
+def swept(scene: fm.Scene, path: str, low: str, high: str, rows: int) -> Any:
+    """A sweep of one entry on one worker."""
+    return fd.sweep(scene, {path: {"from": low, "to": high, "count": rows}}, workers=1)
+
+
+def bars() -> None:
+    """Single times that should not grow."""
+    both = OLSSON.replace({"effects.boundary_reflections": True, "effects.target_inertia": True})
+    tsuji = both.replace({"contact.law": "tsuji", "contact.restitution": 0.8})
+    print("simulate() on the paper's plate, structure kept")
+    for name, scene, accuracy in (("hertz", both, 1e-4), ("hertz", both, 1e-6), ("tsuji", tsuji, 1e-4)):
+        whole(f"{name}, {accuracy:g}", scene, accuracy)
+    corner = struck(pane(edges="clamped", position=["70 mm", "55 mm"]))
+    print("clamped plate of 200 x 200 x 4 mm, struck off centre")
+    print(f"  simulate(), nothing kept     {timed(lambda: cold(corner), 3)[0]:9.1f} ms")
+    structures.forget()
+    ritz.unit_modes.cache_clear()
+    for name in ("first sweep", "again"):
+        spent, _ = timed(lambda: swept(corner, "target.thickness", "3 mm", "6 mm", 20), 1)
+        print(f"  20 thicknesses, {name:12} {spent / 20:9.1f} ms a row")
+    sensors = [{"name": "a", "position": ["40 mm", "40 mm"]}, {"name": "b", "position": ["120 mm", "90 mm"]}]
+    sensed = struck(pane(sensors=sensors))
+    spent, _ = timed(lambda: swept(sensed, "impactor.velocity", "0.1 m/s", "3 m/s", 1000), 3)
+    print(f"1000 velocities, two sensors, simply supported plate: {spent:.0f} ms")
+    size = {"length": "10 m", "width": "5 mm", "thickness": "3 mm"}
+    long = struck(fm.Beam(material="aluminium 6061-T6", **size, ends="clamped", position="0.3 m"))
+    spent, sentence = timed(lambda: refused(long), 3)
+    print(f"refusal of a long beam: {spent:.0f} ms ({sentence[:60]} ...)")
+
+
 def main() -> None:
     """The table."""
+    bars()
     papers_plate()
     print("simulate() at an accuracy of 1e-3, structure kept")
     whole("paper's plate", OLSSON, 1e-3)
-    pane = fm.Plate(GLASS, "4 mm", size=["1 m", "1 m"])
+    glass = fm.Plate(GLASS, "4 mm", size=["1 m", "1 m"])
     ball = fm.Sphere("25 mm", "4.43 m/s", material=STEEL, mass="500 g")
-    whole("glass pane, 500 g", fm.Scene(ball, pane, fm.Contact("hertz"), EDGES), 1e-3)
+    whole("glass pane, 500 g", fm.Scene(ball, glass, fm.Contact("hertz"), EDGES), 1e-3)
     for mass in ("0.2 kg", "0.5 kg", "1 kg", "2 kg", "3 kg", "5 kg") if "--slow" in sys.argv else ():
         for thickness in ("1 mm", "2 mm", "4 mm", "8 mm"):
             plate = fm.Plate(ALUMINIUM, thickness, size=["150 mm", "100 mm"])

@@ -129,7 +129,7 @@ def panel_modes(panel: Panel, position: tuple[float, float], highest: float, oth
     return Modes(rate * found.frequency, found.share / mass, factor=found.factor / mass * slopes)
 
 
-@lru_cache(maxsize=64)
+@lru_cache(maxsize=32)
 @one_thread
 def unit_modes(panel: Panel, points: Points, highest: float) -> Modes:
     """The same of any plate by itself, struck at the first of the points."""

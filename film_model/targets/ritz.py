@@ -106,8 +106,9 @@ class Panel:
         springs and bed. Its numbers are rounded to `DIGITS`."""
         (a, b), d = self.size, self.stiffness[0]
         d11, d12, d22, d66 = (to_digits(each / d) for each in self.stiffness)
-        springs, bed = (to_digits(k * a**3 / d) for k in self.springs), to_digits(self.foundation * a**4 / d)
-        return Panel(1.0, (d11, d12, d22, d66), (1.0, b / a), self.edges, (*springs,), bed)
+        s1, s2, s3, s4 = (to_digits(k * a**3 / d) for k in self.springs)
+        bed = to_digits(self.foundation * a**4 / d)
+        return Panel(1.0, (d11, d12, d22, d66), (1.0, b / a), self.edges, (s1, s2, s3, s4), bed)
 
 
 def to_digits(value: float) -> float:

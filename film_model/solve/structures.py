@@ -157,7 +157,7 @@ def computable(target: AbstractTarget, highest: float, unit: float, least: float
     """The frequency, `highest` or less by powers of 2^(1/2), up to which the modes can be computed. TooManyModes if it
     is below `least`."""
     while True:
-        highest = rounded(highest, rate_of(target))
+        highest = on_grid(target, highest)
         try:
             structure_of(target, highest, unit)
         except TooManyModes:
@@ -224,6 +224,11 @@ def _by_target(kept: Any, made: Any, *arguments: Any) -> Any:
 def rate_of(target: AbstractTarget) -> float:
     """A frequency in which those of similar targets, such as plates of any thickness, are the same, rad/s."""
     return 1.0 / (target.longest_time or 1.0)
+
+
+def on_grid(target: AbstractTarget, frequency: float) -> float:
+    """The frequency rounded up in units of the target's own."""
+    return rounded(frequency, rate_of(target))
 
 
 def rounded(value: float, unit: float = 1.0) -> float:

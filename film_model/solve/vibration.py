@@ -167,8 +167,7 @@ def vibrate(
     """
     unit = problem.scales.time
     still, lowest, limit = _on_a_fixed_target(problem), structures.lowest_frequency(target), time_limit(problem, target)
-    fast = FIRST_PHASE / (still.time_of_maximum_indentation * unit)
-    first = structures.rounded(max(fast, 4.0 * lowest), structures.rate_of(target))
+    first = structures.on_grid(target, max(FIRST_PHASE / (still.time_of_maximum_indentation * unit), 4.0 * lowest))
     tried, carried = [first], structures.CARRIED if problem.stretches else 0
 
     def modes(highest: float) -> structures.Structure:

@@ -217,10 +217,11 @@ def _stresses(problem: Problem) -> Stresses:
     plastic = stresses.plastic_contact(problem.impacts)
     if plastic is not None:
         own = plastic.constants
-        for name in ("onset", "lateness", "pressure", "pressure_flattened", "pressure_bend", "strain"):
+        for name in ("onset", "lateness", "pressure", "pressure_bend", "strain"):
             setattr(known, name, getattr(own, name))
         known.first_radius, known.spread, known.share = plastic.first_radius, plastic.spread, plastic.share
-        known.hardens, known.flattened, known.sunk = plastic.hardens, FLATTENED, SUNK
+        known.hardens, known.pressure_flattened = plastic.hardens, plastic.flattening
+        known.flattened, known.sunk = FLATTENED, SUNK
     if scene.oval is not None:
         known.radius *= scene.oval.spread
     elif scene.stressed_poissons_ratio is not None:

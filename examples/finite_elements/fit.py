@@ -47,6 +47,11 @@ def elastic_shares(ds: xr.Dataset, constants: Constants) -> np.ndarray:
     return constants.elastic_share(next(flows) / next(flows), moduli)
 
 
+def softer_curvatures(ds: xr.Dataset) -> np.ndarray:
+    """x of each run: 1 where the softer body is the ball."""
+    return ds["softer"].values.astype(float) if "softer" in ds else np.zeros(ds.sizes["run"])
+
+
 def predicted(ds: xr.Dataset, constants: Constants = FITTED) -> Arrays:
     """What the law says of each run, in the dataset's units: by the energy, since nothing depends on time."""
     ratio, stiffness, n, v = (
@@ -56,7 +61,8 @@ def predicted(ds: xr.Dataset, constants: Constants = FITTED) -> Arrays:
     factor = pressure_factor(ratio)
     unit = factor / first_pressure(ratio)
     share = elastic_shares(ds, constants)[:, None]
-    law = Plastic(scaled_strain((1 - ratio**2) / stiffness, ratio), n, share, constants)
+    curvature = softer_curvatures(ds)[:, None]
+    law = Plastic(scaled_strain((1 - ratio**2) / stiffness, ratio), n, share, constants, curvature)
     work = 0.4 + cumulative_simpson(law.force(DEPTHS) * DEPTHS, x=np.log(DEPTHS), initial=0.0)
     reached = 0.4 * (v / unit**2.5) ** 2
     log_w = [np.interp(energy, own, np.log(DEPTHS)) for energy, own in zip(reached, work, strict=True)]

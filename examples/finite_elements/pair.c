@@ -5,7 +5,7 @@
  * Nodes of the flat surface do not enter the segments of the ball's: impulses by Gauss and Seidel's iteration conserve
  * momentum. The inertia of the half-spaces is not the question, as in impact.c. Lengths are in ball radii, stresses in Y.
  *
- *     pair E nu n Y E nu n Y mass velocity element fine growth extent hourglass
+ *     pair E nu n Y E nu n Y mass velocity element fine growth extent hourglass curvature
  *
  * first the ball's E, nu, n and Y, then those of the half-space; the rest and what is printed are those of impact.c. */
 
@@ -37,9 +37,9 @@ static double height(double r) /* of the ball's surface below its pole */
     return r < CAP ? 1.0 - sqrt(1.0 - r * r) : 1.0 - sqrt(1.0 - CAP * CAP) - slope * CAP * expm1(1.0 - r / CAP);
 }
 
-/* wave: modulus over density of both bodies, so that one time step serves both. */
+/* wave: modulus over density of both bodies, so that one time step serves both. curvature: of the surface. */
 static Half half_of(const double *option, double h, int fine, double growth, double extent, double hourglass, double wave,
-                    int round)
+                    double curvature)
 {
     double x[MOST_NODES];
     const double E = option[0] / option[3], nu = option[1];
@@ -48,7 +48,7 @@ static Half half_of(const double *option, double h, int fine, double growth, dou
     Mesh mesh = new_mesh(count, material);
     for (int k = 0; k < nodes; k++) {
         mesh.r[k] = x[k % (count + 1)];
-        mesh.z[k] = -x[k / (count + 1)] - (round ? height(mesh.r[k]) : 0.0);
+        mesh.z[k] = -x[k / (count + 1)] - (curvature > 0.0 ? height(curvature * mesh.r[k]) / curvature : 0.0);
     }
     set_densities(&mesh);
     for (int k = 0; k < nodes; k++) {
@@ -180,17 +180,17 @@ static void strike(Half *ball, Half *flat, double mass, double speed)
 
 int main(int count, char **words)
 {
-    double option[15];
-    if (count != 16) {
-        fputs("usage: pair E nu n Y E nu n Y mass velocity element fine growth extent hourglass\n", stderr);
+    double option[16];
+    if (count != 17) {
+        fputs("usage: pair E nu n Y E nu n Y mass velocity element fine growth extent hourglass curvature\n", stderr);
         return 1;
     }
     for (int k = 1; k < count; k++) {
         option[k - 1] = strtod(words[k], NULL);
     }
     const double wave = fmin(option[0] / option[3], option[4] / option[7]), *mesh = option + 10;
-    Half ball = half_of(option, mesh[0], (int)mesh[1], mesh[2], mesh[3], mesh[4], wave, 1);
-    Half flat = half_of(option + 4, mesh[0], (int)mesh[1], mesh[2], mesh[3], mesh[4], wave, 0);
+    Half ball = half_of(option, mesh[0], (int)mesh[1], mesh[2], mesh[3], mesh[4], wave, 1.0 - mesh[5]);
+    Half flat = half_of(option + 4, mesh[0], (int)mesh[1], mesh[2], mesh[3], mesh[4], wave, mesh[5]);
     strike(&ball, &flat, option[8], option[9]);
     return 0;
 }

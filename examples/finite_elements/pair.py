@@ -37,6 +37,7 @@ class Pair:
     soft_ball: bool = False
     poisson: float = 0.3
     hardening_of_harder: float | None = None
+    curvature: float = 0.0
 
     @property
     def single(self) -> Impact:
@@ -67,7 +68,7 @@ def strike(pair: Pair, mesh: Mesh) -> dict:
     speed = depth / (mesh.slowness * a / wave)
     mass = 2.0 * impact.energy / speed**2 / (2.0 * math.pi)
     words = [*ball, *flat, mass, speed, a / mesh.elements, int(1.2 * mesh.elements), mesh.growth, mesh.extent * a,
-             mesh.hourglass]  # fmt: skip
+             mesh.hourglass, pair.curvature]  # fmt: skip
     lines = subprocess.run(
         [program(), *(repr(float(word)) for word in words)], capture_output=True, text=True, check=True, timeout=600
     )

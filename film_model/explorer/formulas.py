@@ -49,7 +49,7 @@ from film_model.targets import AbstractTarget
 
 FROM_SCENE = (
     *("effective_modulus", "effective_radius", "yield_strength", "flow_strength", "strain_hardening_exponent"),
-    *("poissons_ratio", "elastic_share", "stressed_poissons_ratio"),
+    *("poissons_ratio", "elastic_share", "softer_curvature", "stressed_poissons_ratio"),
 )
 """Properties of a scene, besides its :class:`Numbers`, that laws take."""
 
@@ -60,7 +60,7 @@ LEAST_RESTITUTION = 0.1
 """Of a damped law on the page: below it, the series for its damping converges slowly."""
 
 _SCALES = tuple(f.name for f in fields(Scales))
-_OF_LAW = ("widening", "elastic_share", "strain_hardening_exponent", "yield_strength")
+_OF_LAW = ("widening", "elastic_share", "softer_curvature", "strain_hardening_exponent", "yield_strength")
 _PROBLEM = ("gamma", "load", "damping", "approach", "drift", "share", "mass")
 _START = ("approach", "gamma", "load", "stop_velocity", "limit", "damping")
 

@@ -179,7 +179,7 @@ class AbstractLaw(ABC):
     name: in scene files. summary, source, validity: one phrase each for lists and pages; validity is the range in which
     the law holds. family: a key of `FAMILIES`; laws of a user's own script need none. default_unloading: name of the
     unloading rule (:mod:`film_model.laws.unloading`) for a law without one. damped: the stage of the law has damping.
-    shaped_by: fields that enter the stages through `shape` only. shaped_beside: one or two fields beside these on which
+    shaped_by: fields that enter the stages through `shape` only. shaped_beside: up to three more fields on which
     the functions and the end of the last stage depend smoothly, and the ends of their ranges. widening: a²/(R δ) of a
     contact of radius a that is not Hertz's; 0: that of law elastoplastic.
     """

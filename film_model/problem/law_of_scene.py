@@ -34,6 +34,7 @@ _FROM_SCENE = {
     "poissons_ratio": "poissons_ratio",
     "strain_hardening_exponent": "strain_hardening_exponent",
     "elastic_share": "elastic_share",
+    "softer_curvature": "softer_curvature",
     "work_of_adhesion": "work_of_adhesion",
 }
 """Fields of laws that are taken from the scene → properties of the scene."""

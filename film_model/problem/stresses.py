@@ -25,18 +25,19 @@ SHALLOW = 1e-3
 
 
 def plastic_contact(impacts: Impacts) -> Plastic | None:
-    """The contact beyond yield, that of law elastoplastic with strength, ν, n and h of the impacts' law.
+    """The contact beyond yield, that of law elastoplastic with strength, ν, n, h and x of the impacts' law.
 
-    n = 0 and h = 0 for a law without. None if the strength or Poisson's ratio is unknown.
+    n = h = x = 0 for a law without. None if the strength or Poisson's ratio is unknown.
     """
     scene, strength = impacts.scene, impacts.yield_strength
-    names = ("poissons_ratio", "strain_hardening_exponent", "elastic_share")
-    poisson, exponent, share = (impacts.law.value(name) for name in names)
+    names = ("poissons_ratio", "strain_hardening_exponent", "elastic_share", "softer_curvature")
+    poisson, *beside = (impacts.law.value(name) for name in names)
     poisson = scene.poissons_ratio if poisson is None else poisson
     if strength is None or poisson is None or scene.effective_modulus is None:
         return None
     strain = scaled_strain(strength / scene.effective_modulus, poisson)
-    return Plastic(strain, 0.0 if exponent is None else exponent, 0.0 if share is None else share)
+    exponent, share, curvature = (0.0 if value is None else value for value in beside)
+    return Plastic(strain, exponent, share, curvature=curvature)
 
 
 def hertzian(widening: Number) -> Number:

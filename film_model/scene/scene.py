@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
-from film_model.base.arrays import either, endless, lesser, root
+from film_model.base.arrays import any_of, either, endless, greater, lesser, root
 from film_model.base.errors import Mistake, SceneError, raise_all, shown
 from film_model.base.fields import mistake, table_of
 from film_model.base.flow_stress import flow_of_yield
@@ -238,16 +238,23 @@ class Scene:
         if one is None or two is None or not self._yielding:
             return 0.0
         strengths: list[Any] = [math.inf if m.initial_strength is None else m.initial_strength for m in (one, two)]
-        moduli = [m.youngs_modulus for m in (one, two)]
         stiff = [m.youngs_modulus / (1.0 - m.poissons_ratio**2) for m in (one, two)]
         flows = [
             flow_of_yield(strength, m.hardening_exponent, m.youngs_modulus, COMPARED_STRAIN)
             for strength, m in zip(strengths, (one, two), strict=True)
         ]
         first = strengths[0] <= strengths[1]
-        given = self.yield_strength, self.strain_hardening_exponent, either(first, *moduli)
+        given = self.yield_strength, self.strain_hardening_exponent, self._of_first_to_yield(lambda m: m.youngs_modulus)
         ratio = either(first, *reversed(flows)) / flow_of_yield(*given, COMPARED_STRAIN)
         return FITTED.elastic_share(ratio, either(first, *reversed(stiff)) / either(first, *stiff))
+
+    @cached_property
+    def softer_curvature(self) -> float:
+        """x of law elastoplastic: the part of the curvature 1/R that the body which yields first has; 0 if h is 0."""
+        if not any_of(self.elastic_share > 0.0):
+            return 0.0
+        own = self._of_first_to_yield(lambda m: (self.impactor if m is self.impactor.material else self.target).radius)
+        return lesser(greater(self.effective_radius / own, 0.0), 1.0)
 
     @cached_property
     def rate_hardening(self) -> RateHardening | None:

@@ -16,7 +16,7 @@ typedef struct {
 
 static pressed_body pressed(const model_stresses *s, double first_radius, double w) {
     double z = (w - 1.0) / s->onset, widening = 1.0 + s->spread * log1p(z * z), radius = sqrt(w * widening);
-    double wide = s->pressure_flattened * first_radius * (1.0 - s->share) * radius, bend = s->pressure_bend;
+    double wide = s->pressure_flattened * first_radius * radius, bend = s->pressure_bend;
     double most = s->pressure / (1.0 + wide * sqrt(wide)), bent = 1.0 + (sqrt(w) - 1.0) / (bend * most), fallen = pow(bent, -bend);
     double strained = 1.0 + s->strain * (radius - 1.0) * (radius - 1.0) / radius, hardened = pow(strained, s->hardens);
     double mean = 1.0 + most * (1.0 - fallen);

@@ -213,10 +213,10 @@ class Elastoplastic(AbstractLaw):
     ratio of flow stresses at a plastic strain of 0.005. Equal bodies yield alike (φ = 0); from s = 2.692 on the harder
     one stays elastic.
 
-    softer_curvature x: part of the curvature 1/R that the softer body has; 0: it is flat, 1: the harder one is, R/R_s of two
-    balls. M falls with the slope at the contact's edge, (1 − h) α_s a_Y/R of that rigid ball. A softer ball has a slope
-    of its own, however the harder body flattens: of second order in x by finite elements of two balls, and without a
-    constant, so that it is left out under a rigid body (h = 0).
+    softer_curvature x: part of the curvature 1/R that the softer body has; 0: it is flat, 1: the harder one is; of two
+    balls R/R_s. M falls with the slope at the contact's edge, (1 − h) α_s a_Y/R of that rigid ball. A softer ball has a
+    slope of its own, however the harder body flattens: of second order in x by finite elements of two balls, and
+    without a constant, so that it is left out under a rigid body (h = 0).
 
     Fitted to 142 finite-element impacts of a rigid ball and 51 of two bodies, without friction: von Mises, flow stress
     S_y (1 + E ε_p/S_y)^n. Largest errors, of impacts not fitted too: 2.5 % up to 1000 V_Y, 6 % beyond, 4 % of two

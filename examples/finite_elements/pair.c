@@ -7,7 +7,8 @@
  *
  *     pair E nu n Y E nu n Y mass velocity element fine growth extent hourglass curvature
  *
- * first the ball's E, nu, n and Y, then those of the half-space; the rest and what is printed are those of impact.c. */
+ * first the ball's E, nu, n and Y, then those of the half-space; the rest and what is printed are those of impact.c, and
+ * curvature: of the half-space, which is a ball then; that of the ball is 1 less this. */
 
 #include <math.h>
 #include <stdio.h>

@@ -27,7 +27,7 @@ COARSER = 0.75  # elements of the coarser mesh
 @dataclass(frozen=True)
 class Pair:
     """V/V_Y; E*(1 − ν²)/Y; n and ν of both; strength and modulus of the harder over those of the softer; which is the
-    ball; n of the harder if it differs."""
+    ball; n of the harder if it differs; R over the radius of the other body, of two balls."""
 
     velocity: float
     stiffness: float

@@ -17,14 +17,14 @@ from film_model.problem.mixtures import mixed_numbers, mixture_of
 from film_model.solve.batch import simulate_many
 
 MASS, MATERIALS = 0.01, 200
-EXPONENT, SHARE = "strain_hardening_exponent", "elastic_share"
+EXPONENT, SHARE, CURVATURE = "strain_hardening_exponent", "elastic_share", "softer_curvature"
 
 
 def law_of(strain, exponent=0.0, ratio=0.3, share=0.0):
     return fm.Elastoplastic(*SPHERE, strain * SPHERE[0], ratio, exponent, share)
 
 
-@pytest.mark.parametrize("harder", ["rigid", "elastic"])
+@pytest.mark.parametrize("harder", ["rigid", "elastic", "elastic flat"])
 def test_restitution_falls_with_velocity_from_1_at_first_yield_for_any_material(harder):
     rng = np.random.default_rng(11)
     modulus, ratio = np.exp(rng.uniform(np.log(5e9), np.log(5e11), MATERIALS)), rng.uniform(0.1, 0.45, MATERIALS)
@@ -33,9 +33,12 @@ def test_restitution_falls_with_velocity_from_1_at_first_yield_for_any_material(
     critical = np.sqrt(0.8 * math.prod(limit_point(modulus, 0.01, pressure_factor(ratio) * strength)) / MASS)
     one = fm.Material("one", "100 GPa", 0.3, "7850 kg/m^3", "1 GPa", strain_hardening_exponent=0.1)
     other = None if harder == "rigid" else fm.Material("other", "100 GPa", 0.3, "7850 kg/m^3")
+    ball, flat, yields, stays = (
+        (one, other, "impactor", "target") if harder == "elastic flat" else (other, one, "target", "impactor")
+    )
     base = fm.Scene(
-        fm.Sphere("10 mm", velocity="1 m/s", mass=f"{MASS} kg", material=other),
-        fm.HalfSpace(one),
+        fm.Sphere("10 mm", velocity="1 m/s", mass=f"{MASS} kg", material=ball),
+        fm.HalfSpace(flat),
         fm.Contact("elastoplastic", effective_modulus="100 GPa", poissons_ratio=0.3),
         fm.Effects(gravity=False, target_motion=False),
     )
@@ -43,12 +46,12 @@ def test_restitution_falls_with_velocity_from_1_at_first_yield_for_any_material(
         "impactor.velocity": np.outer(speeds, critical).ravel(),
         "contact.effective_modulus": np.tile(modulus, speeds.size),
         "contact.poissons_ratio": np.tile(ratio, speeds.size),
-        "target.material.yield_strength": np.tile(strength, speeds.size),
+        f"{yields}.material.yield_strength": np.tile(strength, speeds.size),
     }
     if harder == "rigid":
         columns["target.material.strain_hardening_exponent"] = np.tile(exponent, speeds.size)
     else:
-        columns["impactor.material.youngs_modulus"] = np.tile(1e10 * 100.0 ** (exponent / 0.6), speeds.size)
+        columns[f"{stays}.material.youngs_modulus"] = np.tile(1e10 * 100.0 ** (exponent / 0.6), speeds.size)
     result = simulate_many(base, columns)
     assert not (result.status < 0).any() and len(result.problems) <= 5
     restitution = result.summary["coefficient_of_restitution"].reshape(speeds.size, MATERIALS)
@@ -101,12 +104,15 @@ def test_with_a_rigid_body_the_law_is_that_of_one_sphere():
         *((strain, [EXPONENT]) for strain in (2.3e-6, 1.7e-4, 2.2e-3, 8.7e-3, 0.06)),
         *((strain, [SHARE]) for strain in (1.7e-4, 2.2e-3, 0.06)),
         (8.7e-3, [EXPONENT, SHARE]),
+        (2.2e-3, [SHARE, CURVATURE]),
+        (8.7e-3, [EXPONENT, SHARE, CURVATURE]),
     ],
 )
 def test_curves_of_a_family_and_of_a_mixture_are_the_law(strain, beside):
     """Force, unloading and end, between the nodes of every page."""
-    for exponent, share in ((0.013, 0.77), (0.31, 0.04), (0.59, 0.43)):
-        law = replace(law_of(strain), **{n: v for n, v in ((EXPONENT, exponent), (SHARE, share)) if n in beside})
+    for values in ((0.013, 0.77, 0.9), (0.31, 0.04, 0.02), (0.59, 0.43, 0.6)):
+        given = dict(zip((EXPONENT, SHARE, CURVATURE), values, strict=True))
+        law = replace(law_of(strain), **{name: given[name] for name in beside})
         *_, last = law.stages()
         page = mixture_of(law, beside)
         (row,) = mixed_numbers(page, lambda _, law=law: law, 1)
@@ -158,6 +164,37 @@ def test_strength_and_hardening_vary_together_as_each_alone(target):
         own["target.material.yield_strength"] = f"{own['target.material.yield_strength']!r} Pa"
         alone = fm.simulate(base.replace(own), accuracy=1e-8).summary
         for name in ("coefficient_of_restitution", "maximum_force", "permanent_indentation"):
+            assert result.summary[name][row] == pytest.approx(alone[name], rel=2e-4), name
+
+
+def two_balls(softer, other, soft="500 MPa"):
+    """A ball that yields on a body of another radius (negative: a hollow) that does not, or the other way round."""
+    bodies = [fm.Material("one", f"{e} GPa", 0.3, "7850 kg/m^3", y) for e, y in ((200, soft), (300, "5 GPa"))]
+    ball, struck = bodies if softer == "ball" else bodies[::-1]
+    return fm.Scene(fm.Sphere("5 mm", "3 m/s", mass="4 g", material=ball), fm.HalfSpace(struck, radius=other))
+
+
+def test_the_softer_body_keeps_its_part_of_the_curvature():
+    for softer, parts in (("ball", (0.75, 0.5, 1.0)), ("other", (0.25, 0.5, 0.0))):
+        found = [two_balls(softer, radius).softer_curvature for radius in ("15 mm", "5 mm", "-20 mm")]
+        assert found == pytest.approx(parts, rel=1e-12)
+    flat = {softer: two_balls(softer, "5 mm").replace({"target.radius": None}) for softer in ("ball", "other")}
+    assert flat["ball"].softer_curvature == 1.0 and flat["other"].softer_curvature == 0.0
+    assert two_balls("ball", "5 mm", "6 GPa").softer_curvature == 0.5  # of the other, which is the softer one now
+    one, x = Plastic(2e-3, 0.0, 0.4), 0.3
+    assert Plastic(2e-3, 0.0, 0.4, curvature=x).flattening == pytest.approx(one.flattening * (1 - 0.4 * (1 - x)) / 0.6)
+    with pytest.raises(ValueError, match="part of the curvature must be from 0 to 1"):
+        replace(law_of(2e-3), softer_curvature=1.1)
+
+
+@pytest.mark.parametrize("softer", ["ball", "other"])
+def test_radii_of_two_balls_vary_together_as_each_alone(softer):
+    base, radii = two_balls(softer, "5 mm"), np.geomspace(1e-3, 0.1, 30)
+    result = simulate_many(base, {"target.radius": radii})
+    assert len(result.problems) == 1 and not (result.status < 0).any()
+    for row in (0, 11, 29):
+        alone = fm.simulate(base.replace({"target.radius": f"{float(radii[row])!r} m"}), accuracy=1e-8).summary
+        for name in ("coefficient_of_restitution", "maximum_force", "contact_radius", "permanent_indentation"):
             assert result.summary[name][row] == pytest.approx(alone[name], rel=2e-4), name
 
 

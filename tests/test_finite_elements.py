@@ -3,11 +3,12 @@
 import math
 import shutil
 import sys
-from dataclasses import astuple
+from dataclasses import astuple, replace
 from pathlib import Path
 
 import numpy as np
 import pytest
+import xarray as xr
 
 import film_datasets as fd
 import film_model as fm
@@ -190,6 +191,24 @@ def test_a_ball_that_cannot_yield_or_bend_dents_as_the_rigid_one():
     for name in ("restitution", "force", "depth", "radius", "residual"):
         assert found[name] == pytest.approx(alone[name], rel=2e-3), name
     assert abs(found["balance"]) < 5e-3 and found["harder"] < 1e-6
+
+
+@needs_gcc
+@pytest.mark.slow
+def test_a_softer_ball_keeps_its_slope_on_a_body_that_flattens():
+    """Harder ball on a flat, two balls, softer ball on a flat, on a coarse mesh: without x the law is too elastic."""
+    hit, parts = pair.Pair(400.0, 200.0, 0.0, 4.0, 1.0, soft_ball=True), np.array([0.0, 0.5, 1.0])
+    mesh = run.Mesh(elements=16, slowness=80.0)
+    pairs = [replace(hit, soft_ball=bool(x), curvature=1.0 - x if x else 0.0) for x in parts.tolist()]
+    found = np.array([pair.strike(one, mesh)["restitution"] for one in pairs])
+    numbers = (hit.velocity, hit.stiffness, hit.hardening, hit.poisson, hit.strengths, hit.moduli)
+    names = ("velocity_ratio", "stiffness_ratio", "hardening_exponent", "poissons_ratio", "strength_ratio")
+    columns = zip((*names, "modulus_ratio"), numbers, strict=True)
+    ds = xr.Dataset({name: ("run", np.full(3, value)) for name, value in columns} | {"softer": ("run", parts)})
+    law, without = (fit.predicted(one)["coefficient_of_restitution"] for one in (ds, ds.drop_vars("softer")))
+    assert (np.diff(found) < 0.0).all() and (np.diff(law) < 0.0).all()
+    assert (np.abs(law / found - 1.0) < (0.015, 0.025, 0.055)).all()
+    assert without[2] > 1.02 * law[2]
 
 
 def test_published_pairs():

@@ -110,6 +110,7 @@ def test_with_a_rigid_body_the_law_is_that_of_one_sphere():
 )
 def test_curves_of_a_family_and_of_a_mixture_are_the_law(strain, beside):
     """Force, unloading and end, between the nodes of every page."""
+    close = 2e-9 if CURVATURE in beside else 5e-11
     for values in ((0.013, 0.77, 0.9), (0.31, 0.04, 0.02), (0.59, 0.43, 0.6)):
         given = dict(zip((EXPONENT, SHARE, CURVATURE), values, strict=True))
         law = replace(law_of(strain), **{name: given[name] for name in beside})
@@ -121,12 +122,12 @@ def test_curves_of_a_family_and_of_a_mixture_are_the_law(strain, beside):
             assert curve.stage[stage].end == pytest.approx(last.end, rel=1e-12)
             for xi in np.geomspace(1.001, last.end, 25).tolist():
                 at = np.array([xi])
-                assert native.stage_law(curve, stage, xi)[0] == pytest.approx(last.force(at).item(), rel=5e-11)
+                assert native.stage_law(curve, stage, xi)[0] == pytest.approx(last.force(at).item(), rel=close)
                 pieces = curve.piece[curve.stage[stage].first : curve.pieces]
                 own = next((piece for piece in pieces if xi <= piece.end), pieces[-1]).recovery
                 x = (xi - own.origin) * own.per_span
                 value = np.polynomial.chebyshev.chebval(2.0 * x - 1.0, own.series[: own.terms])
-                assert value == pytest.approx(last.unloading.secant(at).item(), rel=5e-11)
+                assert value == pytest.approx(last.unloading.secant(at).item(), rel=close)
 
 
 @pytest.mark.parametrize("gamma", [0.0, 0.1])

@@ -45,6 +45,20 @@ def test_stresses_are_those_of_the_summary(made, law, velocity, version):
         assert expected["dent_diameter"] == 2.0 * expected["contact_radius"] and expected["peak_pressure"] == 0.0
 
 
+@pytest.mark.parametrize("softer", ["ball", "target"])
+def test_stresses_of_two_materials(made, softer):
+    bodies = [
+        fm.Material("soft", "100 GPa", 0.3, "7850 kg/m^3", "100 MPa"),
+        fm.Material("hard", "70 GPa", 0.3, "7850 kg/m^3", "2 GPa"),
+    ]
+    ball, struck = bodies if softer == "ball" else bodies[::-1]
+    impactor = fm.Sphere("5 mm", velocity="5 m/s", material=ball)
+    on = fmu_wrapper.served(fm.Scene(impactor, fm.HalfSpace(struck), fm.Contact("elastoplastic")))
+    history = fm.simulate(on)
+    assert on.elastic_share > 0.5 and on.softer_curvature == (softer == "ball")
+    assert same(reported(made(on, 3), history), history.summary)["dent_diameter"] > 0.0
+
+
 @combinations(
     law=["jackson-green", "big-alabo", "hertz"],
     changed=[{"radius": 0.006}, {"effective_modulus": 9e10}, {"yield_strength": 6e8}],

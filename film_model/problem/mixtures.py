@@ -49,8 +49,9 @@ MOST_MARKS, SMALL = 96, 1e-13
 needed, over the largest force on a piece."""
 
 BESIDE = {1: 12, 2: 7, 3: 6}
-"""Chebyshev nodes in each number beside the shape, of which there are one to three. From 6 on, only rounding is left of
-the error under jackson-green, 1e-14 to 5e-14; under elastoplastic, these leave 1e-11 where S_y/E is above 1e-4."""
+"""Chebyshev nodes in each number beside the shape, of which there are one to three. From 6 on, only rounding is left
+of the error under jackson-green, 1e-14 to 5e-14; under elastoplastic, these leave 1e-11 where S_y/E is above 1e-4, or
+1e-9 if x varies."""
 
 
 def mixture_of(law: AbstractLaw, names: Iterable[str]) -> Page:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import platform
 import random
@@ -18,6 +19,8 @@ import xarray as xr
 
 import film_datasets as fd
 import film_model as fm
+from film_datasets import files
+from film_datasets.provenance import made_on
 from film_datasets.seal import SEAL
 from film_model.cli.main import main
 
@@ -162,6 +165,14 @@ def test_a_file_says_what_computed_it(tmp_path: Path, kind: str) -> None:
     assert sys.platform != "linux" or "libc" in said
 
 
+def test_a_file_tells_other_functions_of_numpy_of_the_same_version(monkeypatch: pytest.MonkeyPatch) -> None:
+    """They depend on the vector instructions that NumPy takes (NPY_DISABLE_CPU_FEATURES)."""
+    said, cosine = made_on(), np.cos
+    assert said == made_on()
+    monkeypatch.setattr(np, "cos", lambda x: np.nextafter(cosine(x), 2.0))
+    assert said != made_on()
+
+
 @pytest.mark.slow
 def test_the_script_of_bit_flips_finds_no_number_changed(capsys: pytest.CaptureFixture[str]) -> None:
     script = runpy.run_path(str(Path(__file__).parents[1] / "benchmarks" / "bit_flips.py"))
@@ -225,6 +236,32 @@ def test_a_file_that_leads_to_another_one_is_refused(tmp_path: Path, kind: str) 
             file.create_dataset("maximum_force", values.shape, values.dtype, external=[(str(raw), 0, values.nbytes)])
     with pytest.raises(OSError, match='"maximum_force" is in another file, which is not read'):
         fd.open(path)
+
+
+@pytest.mark.parametrize("kind", ["link", "loop"])
+def test_a_file_with_groups_is_refused(tmp_path: Path, kind: str) -> None:
+    """The netCDF library follows links in groups, and groups that hold themselves without end."""
+    path = sample("sweep", ".nc", tmp_path)
+    with h5py.File(path, "r+") as file:
+        group = file.create_group("inner")
+        if kind == "link":
+            group["maximum_force"] = h5py.ExternalLink(str(tmp_path / "other.nc"), "/maximum_force")
+        else:
+            group["loop"] = file["/"]
+    with pytest.raises(OSError, match='"inner" is a group: only variables at the top are read'):
+        fd.open(path)
+
+
+def test_a_zarr_folder_that_cannot_be_written_leaves_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    pytest.importorskip("zarr")
+
+    def full(*_: object) -> None:
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    monkeypatch.setattr(files, "seal_store", full)
+    with pytest.raises(OSError, match=r"impact\.zarr: cannot be written: No space left on device"):
+        fd.write(fd.to_dataset(fm.simulate(SCENE)), tmp_path / "impact.zarr")
+    assert not list(tmp_path.iterdir())
 
 
 @pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="pipes")

@@ -220,7 +220,7 @@ class Film:
             raise ValueError(f"a dataset of kind {self.kind} has no impacts to select")
         require_impacts(self._ds)
         sizes = {str(dim): self._ds["status"].sizes[dim] for dim in self._ds["status"].dims}
-        wrong = [f"{name} is not one of these" for name in where if name not in sizes]
+        wrong = [f"{shown(name)} is not one of these" for name in where if name not in sizes]
         wrong += [f"{dim} is missing" for dim, size in sizes.items() if dim not in where and size > 1]
         if wrong:
             raise KeyError(f"an impact is selected by {', '.join(sizes)}: {', '.join(wrong)}")
@@ -244,7 +244,7 @@ class Film:
                 raise KeyError(f"{dim} {shown(value)}: the values are from {least:g} to {most:g} {array.units}")
             return near
         if str(value) not in present:
-            raise KeyError(f"{dim} {value}: there are {', '.join(present)}")
+            raise KeyError(f"{dim} {shown(value)}: there are {', '.join(present)}")
         return present.index(str(value))
 
     def _sample_all(self, t: NDArray[np.float64]) -> xr.Dataset:
@@ -303,4 +303,4 @@ def _key(ds: xr.Dataset, sweep: Sweep) -> int:
 
 def _refuse(where: Mapping[str, Any]) -> None:
     if where:
-        raise KeyError(f"a history has no impacts to select: {', '.join(where)}")
+        raise KeyError(f"a history has no impacts to select: {', '.join(map(shown, where))}")

@@ -114,7 +114,7 @@ def _with_hash(ds: xr.Dataset) -> xr.Dataset:
 
 
 def _write_folder(ds: xr.Dataset, target: Path) -> Path:
-    """Write a Zarr folder, of format 3."""
+    """Write a Zarr folder, of format 3, whole or not at all."""
     beside = temporary_path(target)
     try:
         with warnings.catch_warnings():
@@ -122,10 +122,14 @@ def _write_folder(ds: xr.Dataset, target: Path) -> Path:
             ds.drop_encoding().to_zarr(
                 beside, mode="w", zarr_format=3, consolidated=True, encoding=_zarr_encoding(ds), write_empty_chunks=True
             )
+        seal_store(beside)
+        put_in_place(beside, target)
     except ImportError as error:
         raise ImportError(f"{target}: {NEEDS_ZARR}") from error
-    seal_store(beside)
-    put_in_place(beside, target)
+    except OSError as error:
+        raise OSError(f"{target}: cannot be written: {reason_of(error, target)}") from error
+    finally:
+        shutil.rmtree(beside, ignore_errors=True)
     return target
 
 

@@ -21,8 +21,9 @@ NO_DATASETS = {
 
 
 def check_hdf5(source: str | os.PathLike[str]) -> None:
-    """ValueError for an HDF5 file whose content is in other files, that needs other filters, that another program
-    writes, or whose attributes are damaged: the netCDF library follows links, and may end the process for the last."""
+    """ValueError for an HDF5 file with groups or content in other files, that needs other filters, that another program
+    writes, or whose attributes are damaged: the netCDF library follows links, also in groups, where they may lead round
+    without end, and may end the process for damaged attributes."""
     import h5py  # lazy: only files need it
 
     other = NO_DATASETS.get(os.path.splitext(source)[1].lower())
@@ -50,6 +51,8 @@ def _foreign(file: Any, name: str, h5py: Any) -> str:
         return f"{shown(name)} is in another file, which is not read"
     entry = file[name]
     dict(entry.attrs)
+    if isinstance(entry, h5py.Group):
+        return f"{shown(name)} is a group: only variables at the top are read"
     if not isinstance(entry, h5py.Dataset):
         return ""
     if entry.is_virtual or entry.external:

@@ -213,7 +213,7 @@ def _compared_motion(
     findings: list[Finding] = []
     roots = component.modes > 0 or component.problem.compliance > 0.0
     jumping = ("stage_changes",) if any(jumps(component.problem.curve.stages)) else ()
-    jumping += ("contact_begins", "contact_ends") if component.problem.curve.pulls else ()
+    jumping += ("contact_begins", "contact_ends") if component.problem.curve.pulls or component.modes > 0 else ()
     for name, ours in motion.items():
         # the rounding error of a difference of velocities is relative to the larger one
         larger = "impactor_velocity" if name == "relative_velocity" or (roots and name == "target_velocity") else name
@@ -230,8 +230,8 @@ def _compared_motion(
 
 def _near(times: NDArray[np.float64], events: list[tuple[float, str]], kinds: Collection[str]) -> NDArray[np.bool_]:
     """Times, but for rounding, of such events. The force of some laws jumps where a stage changes, that of a law that
-    pulls where a contact begins or ends; on a static stiffness, also of omitted vibrations, the rate of indentation
-    jumps where that of the contact changes."""
+    pulls, and on vibrating targets, where touch is found to a tolerance, where a contact begins or ends; on a static
+    stiffness, also of omitted vibrations, the rate of indentation jumps where that of the contact changes."""
     moments = np.array([time for time, name in events if name in kinds])
     return (np.abs(times[:, None] - moments) <= 1e-6 * times[-1]).any(axis=1)
 

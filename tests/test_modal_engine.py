@@ -321,13 +321,13 @@ def test_the_most_modes_that_can_be_computed(monkeypatch):
     exact = fm.simulate(scene, accuracy=3e-3)
     monkeypatch.setattr(ritz, "MOST_FUNCTIONS", 150)
     monkeypatch.setattr(ritz, "SHARPNESS", ((2.0, 50), (1.3, 150)))
-    ritz.panel_modes.cache_clear()
+    ritz.unit_modes.cache_clear()
     structures.forget()
     with pytest.warns(fm.ImpactWarning, match=r"accuracy 0.0001 is not reached: with \d+ modes the estimated relative"):
         found = fm.simulate(scene, accuracy=1e-4)
     velocity = units.quantity(np.linspace(0.9, 1.1, 34), "velocity")
     many = fm.simulate_batch(scene, velocity=velocity, accuracy=1e-4)
-    ritz.panel_modes.cache_clear()
+    ritz.unit_modes.cache_clear()
     structures.forget()
     changes = vibration.differences(exact.problem, found.vibration.summary, exact.vibration.summary)
     assert 1e-4 < max(changes.values()) < found.accuracy.estimated

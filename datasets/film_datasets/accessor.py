@@ -134,7 +134,7 @@ class Film:
         ends, which follow from the family and the value, and would take a quarter more bytes.
 
         >>> fd.sweep(scene, {"impactor.velocity": ["1 m/s", "2 m/s"]}).film.intervals()["family"].values.tolist()
-        [-1, -1]
+        [1, 2]
         """
         from film_datasets.model_intervals import sweep_intervals
 

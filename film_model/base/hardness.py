@@ -18,6 +18,7 @@ from film_model.base.units import to_si
 
 VICKERS = 9.80665e6 / 0.927
 """Mean pressure over the projected area of 1 HV, Pa."""
+
 LEAST_ROCKWELL, MOST_ROCKWELL = 20.0, 68.0
 
 _ROCKWELL_C = (

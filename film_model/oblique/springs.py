@@ -16,7 +16,7 @@ from film_model.scene.rolling import Sliding
 SPRINGS = 256
 STEPS = 2048
 EASY, FEWEST = 8, 128
-"""Contacts up to which each has all steps, and the fewest steps of more."""
+"""Up to EASY contacts have STEPS steps each; more contacts share as many in all, but each has FEWEST at least."""
 
 SAFETY = 2.5
 """Of the error that half and a quarter of the springs and steps tell (tests/test_friction_estimate.py)."""

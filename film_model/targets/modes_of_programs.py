@@ -32,7 +32,7 @@ UNREAD = {
     "of results of CalculiX": (".frd",),
     "of MATLAB": (".mat",),
 }
-"""What is said of suffixes that are not read."""
+"""Kinds of files that are not read, as messages name them, and their suffixes."""
 
 EXPORT = (
     "a universal file (.unv, data sets 55), or reduced matrices as .npz, Matrix Market (.mtx) or DMIG of Nastran "

@@ -10,7 +10,7 @@ from scipy.sparse import coo_array
 
 import film_model as fm
 from film_model.cli.main import main
-from film_model.targets.modes_of_programs import read_matrices
+from film_model.targets.modes_of_programs import check_kind, gives_vibrations, read_matrices, read_vibrations
 from film_model.targets.structure_file import read_structure
 
 LINKS, MASS, SPRING = 30, 0.2, 4e6  # a chain of masses, kg, and springs, N/m
@@ -160,10 +160,10 @@ def test_files_that_are_not_read(tmp_path, capsys):
     (tmp_path / "folder.unv").mkdir()
     (tmp_path / "bad.npz").write_bytes(b"PK\x03\x04 cut")
     for name, arguments, said in (
-        ("plate.op2", "", "plate.op2: files of results of Nastran are not read: a universal file (.unv"),
-        ("plate.OP2", "", "files of results of Nastran are not read"),
+        ("plate.f06", "", "plate.f06: files of results of Nastran are not read: a universal file (.unv"),
+        ("plate.F06", "", "files of results of Nastran are not read"),
         ("plate.rst", "", "files of results of Ansys are not read"),
-        ("plate.h5", "", 'files with the suffix ".h5" are not read'),
+        ("plate.hdf", "", 'files with the suffix ".hdf" are not read'),
         ("plate", "", 'files with the suffix "" are not read'),
         ("modes.csv", "", 'modes.csv is a file of vibrations itself, which kind = "structure" reads'),
         ("gone.npz", "", "gone.npz: No such file or directory"),
@@ -249,3 +249,119 @@ def test_entries_of_nastran(tmp_path):
         path.write_text(text.replace(old, new))
         with pytest.raises(ValueError, match=re.escape(said)):
             read_matrices(path, None, None, 1, [], None, "z")
+
+
+NODES, OMEGA, MASSES = (7, 3, 12), (500.0, 200.0, 0.0), (4.0, 1.0, 2.0)
+TITLES = (*[0] * 40, *[0x20202020] * 96)  # of a record: title, subtitle and label, blank
+MOVED = np.arange(1.0, 28.0).reshape(3, 3, 3)  # vibration, node, x y z
+
+
+def binary(order="<", word=4, headed=True, masses=MASSES, code=7):
+    """A results file of Nastran: markers, the tables of masses and of shapes, and one that is not read."""
+
+    def record(data):
+        return np.array([len(data)], f"{order}i4").tobytes() + data + np.array([len(data)], f"{order}i4").tobytes()
+
+    def words(*numbers):
+        kinds = (f"{order}f{word}" if isinstance(number, float) else f"{order}i{word}" for number in numbers)
+        return b"".join(np.array([n], kind).tobytes() for n, kind in zip(numbers, kinds, strict=True))
+
+    def text(name):
+        parts = [name[k : k + 4].ljust(4) for k in range(0, 8, 4)]
+        return "".join(part.ljust(word) for part in parts).encode()
+
+    def marker(number):
+        return record(words(number))
+
+    def block(data):
+        return marker(len(data) // word) + record(data)
+
+    def table(name, *records):
+        whole = block(text(name)) + marker(-1) + block(words(*range(7)))
+        for number, data in enumerate((text(name), *records), 2):
+            half = len(data) // (2 * word) * word
+            parts = [data[:half], data[half:]] if half else [data]
+            whole += marker(-number) + marker(1) + marker(0) + b"".join(map(block, parts))
+        return whole + marker(-len(records) - 3) + marker(1) + marker(0) + marker(0)
+
+    head = block(words(11, 28, 26)) + block(b"NASTRAN FORT TAPE ID CODE - ".ljust(7 * word)) + block(text("XXXXXXXX"))
+    head += marker(-1) + marker(0)
+    shapes, lama = [], b""
+    for k, omega in enumerate(OMEGA):
+        codes = [21, code, 0, 1, k + 1, omega**2, omega, 0, 1, 8]
+        rows = [(10 * n + 1, 1, *xyz, 0.0, 0.0, 0.0) for n, xyz in zip(NODES, MOVED[k].tolist(), strict=True)]
+        shapes += [words(*codes, *TITLES), words(*(number for row in rows for number in row))]
+        if masses:
+            lama += words(k + 1, k + 1, omega**2, omega, omega / (2 * math.pi), masses[k], masses[k] * omega**2)
+    tables = table("GEOM1", words(1, 2, 3, 4)) + table("OUGV1", *shapes)
+    tables += table("LAMA", words(21, 6, *[0] * 7, 7, *TITLES), lama) if masses else b""
+    return (head if headed else b"") + tables + marker(0)
+
+
+def punched(omegas=OMEGA, size=1.0):
+    """A punch file of Nastran with matrices' names beside."""
+    text = ""
+    for k, omega in enumerate(omegas):
+        for line in (
+            "$TITLE   = PLATE", "$SUBTITLE=", "$LABEL   =", "$EIGENVECTOR", "$REAL OUTPUT", "$SUBCASE ID =           1",
+            f"$EIGENVALUE ={omega**2:15.7E}  MODE ={k + 1:6d}",
+            *(f"{node:10d}       G" + "".join(f"{x:18.6E}" for x in xyz)
+              for node, xyz in zip(NODES, size * MOVED[k], strict=True)), f"-CONT-            {0.0:18.6E}",
+        ):  # fmt: skip
+            text += f"{line:72}{1:8d}\n"
+    return text + "$TITLE\n$DISPLACEMENTS\n" + "         7       G      1.0  no shape\n"
+
+
+def read(path, node, direction, *sensors):
+    kind = check_kind(path)
+    assert gives_vibrations(path, kind)
+    return read_vibrations(path, node, direction, sensors, "t")
+
+
+@pytest.mark.parametrize(
+    "content", [binary(), binary(">"), binary("<", 8), binary(headed=False), binary(masses=()), punched()]
+)
+def test_vibrations_of_nastran(content, tmp_path):
+    """By ascending frequency, of mass 1 kg; without a table of masses the shapes are those of mass 1 t."""
+    path = tmp_path / ("plate.pch" if isinstance(content, str) else "plate.OP2")
+    path.write_bytes(content.encode() if isinstance(content, str) else content)
+    found = read(path, 3, "z", 12, 7)
+    masses = np.array(MASSES) if not isinstance(content, str) and b"LAMA" in content else np.ones(3)
+    assert 2 * math.pi * found.frequency == pytest.approx(sorted(OMEGA), rel=1e-6)
+    shapes = MOVED[::-1, [1, 2, 0], 2] / np.sqrt(1e3 * masses[::-1, None])
+    assert pytest.approx(shapes, rel=1e-6) == found.shape.T
+    assert found.damping_ratio is None and found.sensors == (12, 7)
+
+
+@pytest.mark.parametrize(
+    ("suffix", "content", "said"),
+    [
+        (".op2", binary(code=1), "has no real vibrations: those of solution 103"),
+        (".op2", binary()[:-400], "is damaged, or not a results file of Nastran"),
+        (".op2", b"", "is empty"),
+        (".op2", b"\x00" * 50, "is not a results file of Nastran"),
+        (".op2", binary().replace(b"OUGV", b"OUXX"), "has no real vibrations"),
+        (".pch", punched((1.0, 2.0)) + punched((1.0, 2.0)), "vibration 1 is there twice"),
+        (".pch", punched((1.0, 2.0)).replace("12       G", "13       G"), "vibration 1 has no node 12"),
+        (".pch", punched((1.0, 2.0)).replace("12       G  ", "12       G X"), "is not the displacement of a node"),
+        (".pch", punched((1.0,), 1.0 / 9.0), "largest displacement of every vibration is 1: its modal mass is needed"),
+        (".pch", punched((1.0, 2.0)).replace("=  4.0", "= -4.0"), "an eigenvalue is -4: the structure is unstable"),
+    ],
+)
+def test_wrong_vibrations_of_nastran(suffix, content, said, tmp_path):
+    path = tmp_path / f"wrong{suffix}"
+    path.write_bytes(content.encode() if isinstance(content, str) else content)
+    with pytest.raises(ValueError, match=re.escape(said)):
+        read(path, 3, "z", 12)
+
+
+def test_damaged_results_of_nastran(tmp_path):
+    """A byte changed at every 11th place: read, or refused in a sentence that has the name of the file."""
+    path, whole, said = tmp_path / "flipped.op2", binary(), []
+    for at in range(0, len(whole), 11):
+        path.write_bytes(whole[:at] + bytes([whole[at] ^ 0x41]) + whole[at + 1 :])
+        try:
+            read(path, 3, "z", 12)
+        except ValueError as error:
+            said.append(str(error))
+    assert len(said) > 50 and all("flipped.op2" in one for one in said)

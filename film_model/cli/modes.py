@@ -9,9 +9,11 @@ from film_model.cli.output import DONE, Commands, add_common, check_writable, pr
 
 def add_commands(commands: Commands) -> None:
     """The command and its options."""
-    parser = commands.add("modes", "vibrations from a universal file, or from matrices M and K", modes)
+    parser = commands.add("modes", "vibrations from a universal file, from Nastran, or from matrices M and K", modes)
     parser.add_argument("what", choices=("read",), help='read: write them as a file for kind = "structure"')
-    parser.add_argument("file", metavar="FILE", help=".unv (data sets 55); .npz with K, M, C; .mtx of K; .pch (DMIG)")
+    parser.add_argument(
+        "file", metavar="FILE", help=".unv (data sets 55); .op2 or .pch of Nastran; .npz with K, M, C; .mtx of K"
+    )
     parser.add_argument("--mass", metavar="FILE", help="M in Matrix Market format, beside K")
     parser.add_argument("--damping", metavar="FILE", help="C in Matrix Market format, beside K; optional")
     parser.add_argument(
@@ -29,7 +31,13 @@ def add_commands(commands: Commands) -> None:
 def modes(options: argparse.Namespace) -> int:
     from pathlib import Path
 
-    from film_model.targets.modes_of_programs import MATRICES, UNIVERSAL, check_kind, read_matrices, read_universal
+    from film_model.targets.modes_of_programs import (
+        MATRICES,
+        check_kind,
+        gives_vibrations,
+        read_matrices,
+        read_vibrations,
+    )
 
     check_writable(options.output, options.force)
     sensors = _numbers(options.sensors)
@@ -37,8 +45,8 @@ def modes(options: argparse.Namespace) -> int:
     suffix = check_kind(path)
     if suffix not in MATRICES and options.direction is None:
         raise ValueError("--direction: missing: x, y or z is needed at a node")
-    if suffix in UNIVERSAL:
-        found = read_universal(path, options.node, options.direction, sensors, options.mass_unit)
+    if gives_vibrations(path, suffix):
+        found = read_vibrations(path, options.node, options.direction, sensors, options.mass_unit)
     else:
         mass, damping = (None if name is None else Path(name) for name in (options.mass, options.damping))
         found = read_matrices(path, mass, damping, options.node, sensors, options.mass_unit, options.direction)

@@ -1,4 +1,4 @@
-"""Natural vibrations from other programs, as a file of vibrations: universal files, and matrices M, K and C."""
+"""Natural vibrations from other programs, as a file of vibrations: universal files, Nastran, and matrices M, K, C."""
 
 from __future__ import annotations
 
@@ -17,16 +17,17 @@ from film_model.base.errors import shown
 from film_model.base.files import check_regular, written_whole
 from film_model.base.threads import one_thread
 from film_model.targets.dmig import read_dmig
+from film_model.targets.nastran_results import has_vibrations, read_op2, read_punch
 from film_model.targets.structure_file import ROOTS
 
 DIRECTIONS = ("x", "y", "z")
 
-UNIVERSAL, MATRICES, NASTRAN = (".unv", ".uff", ".uf"), (".npz", ".mtx"), (".pch", ".bdf", ".nas")
+UNIVERSAL, MATRICES, NASTRAN, BINARY = (".unv", ".uff", ".uf"), (".npz", ".mtx"), (".pch", ".bdf", ".nas"), ".op2"
 """Suffixes of the files that are read."""
 
 UNREAD = {
     "of vibrations": (".csv", ".nc"),
-    "of results of Nastran": (".op2", ".op4", ".f06", ".xdb"),
+    "of results of Nastran": (".op4", ".f06", ".xdb", ".h5"),
     "of results of Ansys": (".rst", ".full", ".sub"),
     "of Abaqus": (".odb", ".fil", ".sim", ".inp"),
     "of results of CalculiX": (".frd",),
@@ -35,8 +36,8 @@ UNREAD = {
 """Kinds of files that are not read, as messages name them, and their suffixes."""
 
 EXPORT = (
-    "a universal file (.unv, data sets 55), or reduced matrices as .npz, Matrix Market (.mtx) or DMIG of Nastran "
-    "(.pch, .bdf), is needed"
+    "a universal file (.unv, data sets 55), vibrations of Nastran (.op2, .pch), or reduced matrices as .npz, Matrix "
+    "Market (.mtx) or DMIG of Nastran (.pch, .bdf), is needed"
 )
 
 MOST_ROWS = 3000
@@ -90,7 +91,7 @@ def check_kind(path: Path) -> str:
     suffix = path.suffix.lower()
     if suffix in UNREAD["of vibrations"]:
         raise ValueError(f'{path} is a file of vibrations itself, which kind = "structure" reads')
-    if suffix not in (*UNIVERSAL, *MATRICES, *NASTRAN):
+    if suffix not in (*UNIVERSAL, *MATRICES, *NASTRAN, BINARY):
         what = next((what for what, own in UNREAD.items() if suffix in own), f"with the suffix {shown(suffix)}")
         raise ValueError(f"{path}: files {what} are not read: {EXPORT}")
     try:
@@ -100,12 +101,38 @@ def check_kind(path: Path) -> str:
     return suffix
 
 
-def read_universal(path: Path, node: int, direction: str, sensors: Sequence[int], mass_unit: str | None) -> FoundModes:
-    """The real vibrations (data set 55, analysis type 2) of a universal file at nodes, along x, y or z.
+def gives_vibrations(path: Path, suffix: str) -> bool:
+    """Whether a file has vibrations at nodes, not matrices."""
+    return suffix in (*UNIVERSAL, BINARY) or (suffix in NASTRAN and has_vibrations(path))
+
+
+def read_vibrations(path: Path, node: int, direction: str, sensors: Sequence[int], mass_unit: str | None) -> FoundModes:
+    """The real vibrations of a universal file (data set 55, analysis type 2), or of Nastran's results, at nodes along
+    x, y or z; of Nastran in the systems of the nodes.
 
     mass_unit: of the model's consistent units; default from data set 164, else kg. Raises ImportError without pyuff,
-    and ValueError if the file has no such vibrations, or not all nodes.
+    and ValueError if the file has no such vibrations, not all nodes, or none that moves the node.
     """
+    nodes, unit, damping = [node, *sensors], ROOTS[mass_unit or "kg"], None
+    if path.suffix.lower() in UNIVERSAL:
+        frequency, masses, moved, damping, unit = _universal(path, nodes, mass_unit)
+    elif path.suffix.lower() == BINARY:
+        frequency, masses, moved = read_op2(path).at(path, nodes)
+    else:
+        frequency, masses, moved = read_punch(path).at(path, nodes)
+    along, largest = DIRECTIONS.index(direction), np.abs(moved[:, 0]).max(axis=0)
+    if largest[along] <= STILL * largest.max():
+        others = [name for name, size in zip(DIRECTIONS, largest, strict=True) if size > STILL * largest.max()]
+        told = f"they move it along {' and '.join(others)}" if others else "nor in another direction: it is held"
+        raise ValueError(f"{path}: no vibration moves node {node} along {direction}; {told}")
+    if not (masses > 0.0).all():
+        raise ValueError(f"{path}: a modal mass is {masses.min():g}, more than 0 is needed")
+    shape = moved[:, :, along].T / np.sqrt(masses) * unit
+    return FoundModes(frequency, shape, damping, None, tuple(sensors))
+
+
+def _universal(path: Path, nodes: Sequence[int], mass_unit: str | None) -> tuple[Any, Any, Any, Any, float]:
+    """Frequencies, Hz, modal masses, displacements (vibration, node, x y z), damping ratios or None, √(mass unit)."""
     try:
         pyuff: Any = importlib.import_module("pyuff")
     except ImportError as error:
@@ -118,21 +145,15 @@ def read_universal(path: Path, node: int, direction: str, sensors: Sequence[int]
     modes = [one for one in sets if one.get("type") == 55 and one.get("analysis_type") == 2 and "freq" in one]
     if not modes:
         raise ValueError(f"{path} has no real vibrations: data sets 55 of analysis type 2 are needed")
-    unit = _root_of_mass(mass_unit, sets)
     modes.sort(key=lambda one: float(one["freq"]))
-    moved = np.array([_at_nodes(path, one, (node, *sensors)) for one in modes])  # vibration, node, x y z
-    along, largest = DIRECTIONS.index(direction), np.abs(moved[:, 0]).max(axis=0)
-    if largest[along] <= STILL * largest.max():
-        others = [name for name, size in zip(DIRECTIONS, largest, strict=True) if size > STILL * largest.max()]
-        told = f"they move it along {' and '.join(others)}" if others else "nor in another direction: it is held"
-        raise ValueError(f"{path}: no vibration moves node {node} along {direction}; {told}")
-    masses = np.array([float(one["modal_m"]) for one in modes])
-    if not (masses > 0.0).all():
-        raise ValueError(f"{path}: a modal mass is {masses.min():g}, more than 0 is needed")
     damping = np.array([float(one.get("modal_damp_vis", 0.0)) for one in modes])
-    shape = moved[:, :, along].T / np.sqrt(masses) * unit
-    return FoundModes(np.array([float(one["freq"]) for one in modes]), shape, damping if damping.any() else None, None,
-                      tuple(sensors))  # fmt: skip
+    return (
+        np.array([float(one["freq"]) for one in modes]),
+        np.array([float(one["modal_m"]) for one in modes]),
+        np.array([_at_nodes(path, one, nodes) for one in modes]),
+        damping if damping.any() else None,
+        _root_of_mass(mass_unit, sets),
+    )
 
 
 def _root_of_mass(mass_unit: str | None, sets: Sequence[dict[str, Any]]) -> float:

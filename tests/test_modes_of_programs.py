@@ -2,6 +2,7 @@
 
 import math
 import re
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -162,7 +163,7 @@ def test_files_that_are_not_read(tmp_path, capsys):
     for name, arguments, said in (
         ("plate.f06", "", "plate.f06: files of results of Nastran are not read: a universal file (.unv"),
         ("plate.F06", "", "files of results of Nastran are not read"),
-        ("plate.rst", "", "files of results of Ansys are not read"),
+        ("plate.full", "", "files of results of Ansys are not read"),
         ("plate.hdf", "", 'files with the suffix ".hdf" are not read'),
         ("plate", "", 'files with the suffix "" are not read'),
         ("modes.csv", "", 'modes.csv is a file of vibrations itself, which kind = "structure" reads'),
@@ -336,7 +337,7 @@ def test_vibrations_of_nastran(content, tmp_path):
 @pytest.mark.parametrize(
     ("suffix", "content", "said"),
     [
-        (".op2", binary(code=1), "has no real vibrations: those of solution 103"),
+        (".op2", binary(code=1), "has no real vibrations: a modal analysis"),
         (".op2", binary()[:-400], "is damaged, or not a results file of Nastran"),
         (".op2", b"", "is empty"),
         (".op2", b"\x00" * 50, "is not a results file of Nastran"),
@@ -365,3 +366,16 @@ def test_damaged_results_of_nastran(tmp_path):
         except ValueError as error:
             said.append(str(error))
     assert len(said) > 50 and all("flipped.op2" in one for one in said)
+
+
+def test_results_of_ansys(tmp_path):
+    """A cantilever: a pair of equal bending frequencies, whose shapes move a node beside its axis at right angles."""
+    examples = pytest.importorskip("ansys.mapdl.reader.examples", reason='needs pip install "film-model[ansys]"')
+    path = Path(examples.rstfile)
+    along = [read(path, 321, direction) for direction in "xy"]
+    assert along[0].frequency == pytest.approx([7366.495, 7366.495, 11504.895, 17285.705, 17285.705, 20137.193])
+    first, second = (np.array([one.shape[0, k] for one in along]) for k in (0, 1))
+    assert abs(first @ second) < 0.01 * (first @ first) and first @ first == pytest.approx(second @ second, rel=0.01)
+    (tmp_path / "wrong.rst").write_bytes(b"x" * 1000)
+    with pytest.raises(ValueError, match=r"wrong.rst cannot be read as results of Ansys"):
+        read(tmp_path / "wrong.rst", 1, "x")

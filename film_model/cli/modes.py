@@ -9,11 +9,10 @@ from film_model.cli.output import DONE, Commands, add_common, check_writable, pr
 
 def add_commands(commands: Commands) -> None:
     """The command and its options."""
-    parser = commands.add("modes", "vibrations from a universal file, from Nastran, or from matrices M and K", modes)
+    parser = commands.add("modes", "vibrations from Nastran, Ansys, a universal file, or matrices M and K", modes)
     parser.add_argument("what", choices=("read",), help='read: write them as a file for kind = "structure"')
-    parser.add_argument(
-        "file", metavar="FILE", help=".unv (data sets 55); .op2 or .pch of Nastran; .npz with K, M, C; .mtx of K"
-    )
+    files = ".unv (data sets 55); .op2, .pch of Nastran; .rst of Ansys; .npz with K, M, C; .mtx of K"
+    parser.add_argument("file", metavar="FILE", help=files)
     parser.add_argument("--mass", metavar="FILE", help="M in Matrix Market format, beside K")
     parser.add_argument("--damping", metavar="FILE", help="C in Matrix Market format, beside K; optional")
     parser.add_argument(

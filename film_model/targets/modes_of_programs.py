@@ -17,18 +17,19 @@ from film_model.base.errors import shown
 from film_model.base.files import check_regular, written_whole
 from film_model.base.threads import one_thread
 from film_model.targets.dmig import read_dmig
-from film_model.targets.nastran_results import has_vibrations, read_op2, read_punch
+from film_model.targets.nastran_results import ResultModes, has_vibrations, read_op2, read_punch
 from film_model.targets.structure_file import ROOTS
 
 DIRECTIONS = ("x", "y", "z")
 
 UNIVERSAL, MATRICES, NASTRAN, BINARY = (".unv", ".uff", ".uf"), (".npz", ".mtx"), (".pch", ".bdf", ".nas"), ".op2"
+ANSYS = ".rst"
 """Suffixes of the files that are read."""
 
 UNREAD = {
     "of vibrations": (".csv", ".nc"),
     "of results of Nastran": (".op4", ".f06", ".xdb", ".h5"),
-    "of results of Ansys": (".rst", ".full", ".sub"),
+    "of results of Ansys": (".rth", ".full", ".sub"),
     "of Abaqus": (".odb", ".fil", ".sim", ".inp"),
     "of results of CalculiX": (".frd",),
     "of MATLAB": (".mat",),
@@ -36,8 +37,8 @@ UNREAD = {
 """Kinds of files that are not read, as messages name them, and their suffixes."""
 
 EXPORT = (
-    "a universal file (.unv, data sets 55), vibrations of Nastran (.op2, .pch), or reduced matrices as .npz, Matrix "
-    "Market (.mtx) or DMIG of Nastran (.pch, .bdf), is needed"
+    "a universal file (.unv, data sets 55), vibrations of Nastran (.op2, .pch) or Ansys (.rst), or reduced matrices as "
+    ".npz, Matrix Market (.mtx) or DMIG of Nastran (.pch, .bdf), is needed"
 )
 
 MOST_ROWS = 3000
@@ -50,10 +51,13 @@ have errors of ε/SHIFT = 2e-8, and smaller ones smaller errors."""
 RIGID = 1e-4
 """Eigenvalues over the shift below which they are 0 with rounding: a motion that nothing holds."""
 
+MODAL = 2
+"""Kind of analysis of a modal one in results of Ansys (ANTYPE,2)."""
+
 STILL = 1e-10
 """Deflection over that along another direction, below which a vibration does not move a node: 0 with rounding."""
 
-NEEDS_PYUFF = 'universal files need pyuff: install film-model[modes] (pip install "film-model[modes]")'
+NEEDS = '{} files need {}: install film-model[{extra}] (pip install "film-model[{extra}]")'
 
 
 @dataclass(frozen=True)
@@ -91,7 +95,7 @@ def check_kind(path: Path) -> str:
     suffix = path.suffix.lower()
     if suffix in UNREAD["of vibrations"]:
         raise ValueError(f'{path} is a file of vibrations itself, which kind = "structure" reads')
-    if suffix not in (*UNIVERSAL, *MATRICES, *NASTRAN, BINARY):
+    if suffix not in (*UNIVERSAL, *MATRICES, *NASTRAN, BINARY, ANSYS):
         what = next((what for what, own in UNREAD.items() if suffix in own), f"with the suffix {shown(suffix)}")
         raise ValueError(f"{path}: files {what} are not read: {EXPORT}")
     try:
@@ -103,23 +107,23 @@ def check_kind(path: Path) -> str:
 
 def gives_vibrations(path: Path, suffix: str) -> bool:
     """Whether a file has vibrations at nodes, not matrices."""
-    return suffix in (*UNIVERSAL, BINARY) or (suffix in NASTRAN and has_vibrations(path))
+    return suffix in (*UNIVERSAL, BINARY, ANSYS) or (suffix in NASTRAN and has_vibrations(path))
 
 
 def read_vibrations(path: Path, node: int, direction: str, sensors: Sequence[int], mass_unit: str | None) -> FoundModes:
-    """The real vibrations of a universal file (data set 55, analysis type 2), or of Nastran's results, at nodes along
-    x, y or z; of Nastran in the systems of the nodes.
+    """The real vibrations of a universal file (data set 55, analysis type 2), or of results of Nastran or Ansys, at
+    nodes along x, y or z; of Nastran and Ansys in the systems of the nodes.
 
-    mass_unit: of the model's consistent units; default from data set 164, else kg. Raises ImportError without pyuff,
-    and ValueError if the file has no such vibrations, not all nodes, or none that moves the node.
+    mass_unit: of the model's consistent units; default from data set 164, else kg. Raises ImportError without the
+    reader, and ValueError if the file has no such vibrations, not all nodes, or none that moves the node.
     """
     nodes, unit, damping = [node, *sensors], ROOTS[mass_unit or "kg"], None
-    if path.suffix.lower() in UNIVERSAL:
+    suffix = path.suffix.lower()
+    if suffix in UNIVERSAL:
         frequency, masses, moved, damping, unit = _universal(path, nodes, mass_unit)
-    elif path.suffix.lower() == BINARY:
-        frequency, masses, moved = read_op2(path).at(path, nodes)
     else:
-        frequency, masses, moved = read_punch(path).at(path, nodes)
+        read = read_op2 if suffix == BINARY else read_ansys if suffix == ANSYS else read_punch
+        frequency, masses, moved = read(path).at(path, nodes)
     along, largest = DIRECTIONS.index(direction), np.abs(moved[:, 0]).max(axis=0)
     if largest[along] <= STILL * largest.max():
         others = [name for name, size in zip(DIRECTIONS, largest, strict=True) if size > STILL * largest.max()]
@@ -131,12 +135,32 @@ def read_vibrations(path: Path, node: int, direction: str, sensors: Sequence[int
     return FoundModes(frequency, shape, damping, None, tuple(sensors))
 
 
+def read_ansys(path: Path) -> ResultModes:
+    """Of a modal analysis of Ansys; its shapes are taken as normalised by mass."""
+    try:
+        reader: Any = importlib.import_module("ansys.mapdl.reader")
+    except ImportError as error:
+        raise ImportError(f"{path}: {NEEDS.format('results', 'ansys-mapdl-reader', extra='ansys')}") from error
+    found = ResultModes()
+    try:
+        results = reader.read_binary(str(path))
+        if results._resultheader["kan"] != MODAL:
+            return found
+        for k, frequency in enumerate(results.time_values):
+            shape = found.add(path, k + 1, (2.0 * math.pi * float(frequency)) ** 2)
+            numbers, moved = results.nodal_solution(k)
+            shape |= dict(zip(numbers.tolist(), map(tuple, moved[:, :3].tolist()), strict=True))
+    except Exception as error:  # what it raises for other files is not documented
+        raise ValueError(f"{path} cannot be read as results of Ansys: {error}") from None
+    return found
+
+
 def _universal(path: Path, nodes: Sequence[int], mass_unit: str | None) -> tuple[Any, Any, Any, Any, float]:
     """Frequencies, Hz, modal masses, displacements (vibration, node, x y z), damping ratios or None, √(mass unit)."""
     try:
         pyuff: Any = importlib.import_module("pyuff")
     except ImportError as error:
-        raise ImportError(f"{path}: {NEEDS_PYUFF}") from error
+        raise ImportError(f"{path}: {NEEDS.format('universal', 'pyuff', extra='modes')}") from error
     try:
         found = pyuff.UFF(str(path)).read_sets()
     except Exception as error:  # pyuff raises Exception itself

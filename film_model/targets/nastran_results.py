@@ -32,8 +32,8 @@ _MODE = re.compile(r"\$EIGENVALUE = *([-+.\dE]+) +MODE = *(\d+)")
 
 @dataclass
 class ResultModes:
-    """Vibrations by their number: ω², (rad/s)²; modal mass, of which a punch file has none; and the displacements of
-    each node along x, y and z of its own system, in units of the model."""
+    """Vibrations of any program by their number: ω², (rad/s)²; modal mass, where the file has it; and the displacements
+    of each node along x, y and z of its own system, in units of the model."""
 
     square: dict[int, float] = field(default_factory=dict)
     mass: dict[int, float] = field(default_factory=dict)
@@ -50,7 +50,7 @@ class ResultModes:
         """Frequencies, Hz, modal masses and displacements (vibration, node, x y z), by ascending frequency. Raises
         ValueError without vibrations, a node or a modal mass, or with an eigenvalue below 0."""
         if not self.shape:
-            raise ValueError(f"{path} has no real vibrations: those of solution 103 at nodes are needed")
+            raise ValueError(f"{path} has no real vibrations: a modal analysis (Nastran: solution 103) is needed")
         numbers = sorted(self.shape, key=self.square.__getitem__)
         for number in numbers:
             for node in nodes:
@@ -59,7 +59,7 @@ class ResultModes:
         moved = np.array([[self.shape[number][node] for node in nodes] for number in numbers])
         if not self.mass and all(self._largest(number) == 1.0 for number in numbers):
             raise ValueError(f"{path}: the largest displacement of every vibration is 1: its modal mass is needed, "
-                             "or vibrations normalised by mass (EIGRL with NORM=MASS)")  # fmt: skip
+                             "or vibrations normalised by mass")  # fmt: skip
         square = np.array([self.square[number] for number in numbers])
         if not (np.isfinite(moved).all() and np.isfinite(square).all()):
             raise ValueError(f"{path}: a number is not finite")

@@ -184,3 +184,15 @@ def test_an_fmu_serves_the_strength_of_the_export_and_says_for_which_velocities(
 
     faster = choose(served(scene(velocity=f"{found.high!r} m/s"))).problem
     assert change(faster, faster.again(law=law)) <= 0.01
+
+
+def test_a_law_that_does_not_yield_has_no_notice_of_a_missing_coefficient():
+    """A damped law absorbs energy where nothing yields: a coefficient would change nothing."""
+    struck = fm.Scene(
+        fm.Sphere("2.2 mm", "5 m/s", material="bearing steel"),
+        fm.HalfSpace("soda-lime glass"),
+        fm.Contact("tsuji", restitution=0.8),
+    )
+    effect = effect_of(struck)
+    assert effect.state == NOT_NEEDED and effect.change < 1e-9
+    assert effect_of(struck.replace({"target.material": "bearing steel"})).state == NOT_MODELLED

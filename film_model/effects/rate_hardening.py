@@ -163,6 +163,8 @@ def _without_coefficient(static: Problem) -> Effect:
     if soft is None or rate < rate_sensitive or named(soft.name) != soft:
         missing = "missing: strain_rate_coefficient or rate_multiplier of the material that yields"
         return RULE.unjudged(missing + opened, rate)._replace(change=size)
+    if size is not None and size * MOST / TYPICAL <= static.scene.effect_tolerance:
+        return RULE.absent("too little yields")._replace(change=size)
     why = f"at {rate:.3g} 1/s {soft.name} is stronger than in slow loading, and the catalogue has no coefficient for it"
     return RULE.failing(why + opened, rate, rate_sensitive)._replace(change=size)
 

@@ -30,7 +30,7 @@ SOURCES = (
     *platforms.MARCH,
     *platforms.core("tables", "tables", "gauss", "way_in", "way_out"),
     *platforms.core("lanes", "lanes", "avx2", "avx512"),
-    *platforms.core("batch", "batch", "batch_shape", "impact", "in_series", "many", "motions", "single"),
+    *platforms.core("batch", "batch", "batch_shape", "curves", "impact", "many", "motions", "single"),
     *platforms.MODES,
     *PLATES,
     *ONE_IMPACT,

@@ -138,10 +138,10 @@ def test_lanes_unload_each_by_its_own_law(gamma):
     start["nu"], start["gamma"] = np.exp(rng.uniform(np.log(0.3), np.log(2000.0), start.size)), gamma
     start["time_limit"], shape = np.inf, np.exp(rng.uniform(np.log(1.001e-3), np.log(9.99e-3), start.size))
     mesh = native.mesh(native.WORK_PRESERVING, 16, 32)
-    status, table = families.batch(page.family, page.whole, mesh, start, shape)
+    status, table = families.batch(families.Rows(page.whole, page.family, shape), mesh, start)
     assert native.EVENT in status
     for using in range(native.instructions()):
-        other = families.batch(page.family, page.whole, mesh, start, shape, using)
+        other = families.batch(families.Rows(page.whole, page.family, shape), mesh, start, using)
         assert (other[0] == status).all() and other[1][status > 0].tobytes() == table[status > 0].tobytes()
     for row in range(start.size):
         alone, one = native.impact(page.at(float(shape[row])), mesh, native.Start(*start[row].tolist()))

@@ -130,12 +130,12 @@ def test_lanes_with_a_shape_each_give_the_march_of_each_curve(gamma):
     start["nu"], start["gamma"] = np.exp(rng.uniform(np.log(0.3), np.log(5000.0), start.size)), gamma
     start["time_limit"], shape = np.inf, np.exp(rng.uniform(np.log(1.001e-3), np.log(9.99e-3), start.size))
     mesh = native.mesh(native.WORK_PRESERVING, 16, 32)
-    status, table = families.batch(page.family, page.whole, mesh, start, shape)
+    status, table = families.batch(families.Rows(page.whole, page.family, shape), mesh, start)
     assert set(status.tolist()) == {native.EVENT, native.BEYOND_LAW}
     for using in range(native.instructions()):
-        other = families.batch(page.family, page.whole, mesh, start, shape, using)
+        other = families.batch(families.Rows(page.whole, page.family, shape), mesh, start, using)
         assert (other[0] == status).all() and other[1][status > 0].tobytes() == table[status > 0].tobytes()
-    some = families.batch(page.family, page.whole, mesh, start[::3], shape[::3])
+    some = families.batch(families.Rows(page.whole, page.family, shape[::3]), mesh, start[::3])
     assert some[1][status[::3] > 0].tobytes() == table[::3][status[::3] > 0].tobytes()
     fine = native.mesh(native.WORK_PRESERVING, 300, 300) if gamma == 0.0 else mesh
     for row in range(start.size):

@@ -53,14 +53,12 @@ def test_instructions_give_the_same_bytes_in_series():
     curve, spring = problem.impacts.curve.native, problem.own.spring
     mesh = native.mesh(native.WORK_PRESERVING, 6, 6)
     found = [
-        families.batch_in_series(families.Rows(curve, compliance=spring), mesh, problem.start, using)[1].tobytes()
+        families.batch(families.Rows(curve, compliance=spring), mesh, problem.start, using)[1].tobytes()
         for using in range(native.instructions() + 1)
     ]
     assert len(set(found)) == 1
     alone = [
-        families.batch_in_series(families.Rows(curve, compliance=spring[k : k + 1]), mesh, problem.start[k : k + 1])[
-            1
-        ].tobytes()
+        families.batch(families.Rows(curve, compliance=spring[k : k + 1]), mesh, problem.start[k : k + 1])[1].tobytes()
         for k in range(spring.size)
     ]
     assert b"".join(alone) == found[0]

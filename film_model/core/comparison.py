@@ -42,7 +42,7 @@ def rounding(curve: Curve, start: Any, summary: Any, clearance: float) -> Any:
 def dents(curve: Curve, depth: Any, end: Any, places: Any = None, values: Any = None) -> Any:
     """What contacts leave that turned at `depth` and ended at `end` [δ_s], of a law that pulls: see film_core.h.
 
-    places, values: of many contacts whose curves differ in doubles, as in `families.batch_varied`.
+    places, values: of many contacts whose curves differ in doubles, as in `families.Rows`.
     """
     rows = np.array(np.broadcast_arrays(np.atleast_1d(depth), end), np.float64)
     left = np.empty(rows.shape[1:])

@@ -33,6 +33,11 @@ class Family(c.Structure):
         return Family.of, (self.low, self.high, end, places.astype(int).tolist(), table)
 
 
+@native.CORE.structure("film_curves")
+class _Curves(c.Structure):
+    """Curves of many contacts. What they point to is kept alive as `held`."""
+
+
 @native.MOTIONS.structure("film_motions")
 class _Room(c.Structure):
     """Memory for the motions of many contacts."""
@@ -41,26 +46,9 @@ class _Room(c.Structure):
 def shaped(family: Family, whole: native.Curve, shape: float | NDArray[np.float64]) -> native.Curve:
     """The curve of a shape; of a family over several numbers, that of one contact's."""
     made, numbers = native.Curve.from_buffer_copy(whole), np.array(shape, np.float64)
-    if native.library().film_shape_at(c.byref(family), c.byref(whole), numbers.ctypes.data, c.byref(made)) != native.OK:
+    if native.library().film_shape(c.byref(family), c.byref(whole), numbers.ctypes.data, c.byref(made)) != native.OK:
         raise ValueError(f"the shape {shape!r} is not between {family.low!r} and {family.high!r}")
     return made
-
-
-def batch(
-    family: Family,
-    whole: native.Curve,
-    cut: native.Mesh,
-    start: NDArray[Any],
-    shape: NDArray[np.float64],
-    using: int | None = None,
-) -> tuple[NDArray[np.int32], NDArray[Any]]:
-    """Statuses and summaries of many contacts (START_DTYPE), each on its shape's curve; as `native.batch`."""
-    start, shape = np.ascontiguousarray(start, native.START_DTYPE), np.ascontiguousarray(shape, np.float64)
-    summary, status = np.empty(start.size, native.SUMMARY_DTYPE), np.empty(start.size, np.int32)
-    at = [array.ctypes.data for array in (start, shape, summary, status)]
-    own = c.byref(family), c.byref(whole), c.byref(cut), start.size, *at
-    native.library().film_batch_shaped(native.instructions() if using is None else using, *own)
-    return status, summary
 
 
 def in_series(curve: native.Curve, compliance: float) -> native.Curve:
@@ -71,57 +59,38 @@ def in_series(curve: native.Curve, compliance: float) -> native.Curve:
     return made
 
 
-def batch_varied(
-    curve: native.Curve,
-    places: NDArray[np.int32],
-    values: NDArray[np.float64],
-    cut: native.Mesh,
-    start: NDArray[Any],
-) -> tuple[NDArray[np.int32], NDArray[Any]]:
-    """Statuses and summaries of many contacts (START_DTYPE) whose curves differ in doubles; the GIL is released.
-
-    places: of these among the doubles of the curve. values: (contacts, places).
-    """
-    start, values = np.ascontiguousarray(start, native.START_DTYPE), np.ascontiguousarray(values, np.float64)
-    summary, status = np.empty(start.size, native.SUMMARY_DTYPE), np.empty(start.size, np.int32)
-    at = [array.ctypes.data for array in (start, places, values, summary, status)]
-    own = c.byref(curve), c.byref(cut), start.size, at[0], places.size, *at[1:]
-    native.library().film_batch_varied(*own)
-    return status, summary
-
-
 class Rows(NamedTuple):
-    """The curves of many contacts. curve: of all; or family: with its curve, and the shape of each; or varied: as in
-    `batch_varied`. compliance: of a spring of each in series, δ_s/F_s."""
+    """The curves of many contacts. curve: of all, or of the family, of which each has a shape; or that from which each
+    differs in the doubles at `places`, whose values are (contacts, places). compliance: of a spring of each in series,
+    δ_s/F_s."""
 
     curve: native.Curve
-    family: tuple[Family, native.Curve, NDArray[np.float64]] | None = None
-    varied: tuple[native.Curve, NDArray[np.int32], NDArray[np.float64]] | None = None
+    family: Family | None = None
+    shape: NDArray[np.float64] | None = None
     compliance: NDArray[np.float64] | None = None
+    values: NDArray[np.float64] | None = None
+    places: NDArray[np.int32] | None = None
 
-    def arguments(self) -> tuple[tuple[Any, tuple[Any, ...]], list[Any]]:
-        """The curve, and compliance, family, shape, varying, places and values, of the core's functions; and what they
-        point to."""
-        family, curve, shape = (None, self.curve, None) if self.family is None else self.family
-        curve, places, values = (curve, None, None) if self.varied is None else self.varied
-        own = [None if a is None else np.ascontiguousarray(a, np.float64) for a in (self.compliance, shape, values)]
-        at = [None if a is None else a.ctypes.data for a in own]
-        which = (0, None) if places is None else (places.size, places.ctypes.data)
-        return (c.byref(curve), (at[0], None if family is None else c.byref(family), at[1], *which, at[2])), own
+    def for_core(self) -> _Curves:
+        """These as the core takes them."""
+        columns = self.shape, self.compliance, self.values
+        own = [None if column is None else np.ascontiguousarray(column, np.float64) for column in columns]
+        at = [None if column is None else column.ctypes.data for column in (*own, self.places)]
+        family, varying = self.family and c.addressof(self.family), 0 if self.places is None else self.places.size
+        made = _Curves(c.addressof(self.curve), family, *at, varying)
+        made.held = self, own
+        return made
 
 
-def batch_in_series(
+def batch(
     rows: Rows, cut: native.Mesh, start: NDArray[Any], using: int | None = None
 ) -> tuple[NDArray[np.int32], NDArray[Any]]:
-    """Statuses and summaries of many contacts (START_DTYPE), in series with their springs; the GIL is released."""
-    start = np.ascontiguousarray(start, native.START_DTYPE)
-    (curve, differing), _held = rows.arguments()
+    """Statuses and summaries of many contacts (START_DTYPE) on curves of their own; as `native.batch`."""
+    start, curves = np.ascontiguousarray(start, native.START_DTYPE), rows.for_core()
     summary, status = np.empty(start.size, native.SUMMARY_DTYPE), np.empty(start.size, np.int32)
-    native.library().film_batch_in_series(
-        native.instructions() if using is None else using,
-        *(curve, c.byref(cut), start.size, start.ctypes.data, *differing),
-        *(summary.ctypes.data, status.ctypes.data),
-    )
+    at = [array.ctypes.data for array in (start, summary, status)]
+    instructions = native.instructions() if using is None else using
+    native.library().film_batch_of(instructions, c.byref(curves), c.byref(cut), start.size, *at)
     return status, summary
 
 
@@ -143,7 +112,7 @@ class Motions(NamedTuple):
 def motions(rows: Rows, cut: native.Mesh, start: NDArray[Any], times: NDArray[np.float64], reversible: bool) -> Motions:
     """The motions of many contacts (START_DTYPE) at ascending times (contacts, times), by lines or `by_series`."""
     start, times = np.ascontiguousarray(start, native.START_DTYPE), np.ascontiguousarray(times, np.float64)
-    (curve, differing), _held = rows.arguments()
+    curves = rows.for_core()
     force, depth, slope = (np.empty(times.shape) for _ in range(3))
     power, sampled = np.empty(len(times)), np.empty(5 * times.shape[1])
     most = 4 * LINES
@@ -152,7 +121,7 @@ def motions(rows: Rows, cut: native.Mesh, start: NDArray[Any], times: NDArray[np
     room = _Room(*memory, times.shape[1], most, EVENTS, native.instructions(), 0)
     found = [array.ctypes.data for array in (times, force, depth)]
     native.library().film_motions_many(
-        *(c.byref(room), curve, c.byref(cut), start.size, start.ctypes.data, *differing),
+        *(c.byref(room), c.byref(curves), c.byref(cut), start.size, start.ctypes.data),
         *(*found, slope.ctypes.data if reversible else None, power.ctypes.data),
     )
     return Motions(force, depth, slope if reversible else None, power)

@@ -261,11 +261,10 @@ typedef struct {
 /* 0, or FILM_BAD_CURVE / FILM_BAD_NUMBER. */
 FILM_API int film_check_curve(const film_curve *curve);
 
-/* The curve of a shape, low <= shape <= high. curve: a copy of `whole`, or the curve of another shape. The pieces beyond the
- * end of its last stage are left out. film_shape_at: of any family, with the numbers of one contact. 0, or FILM_BAD_CURVE: the
- * family's numbers or the shape are out of range. */
-FILM_API int film_shape(const film_family *family, const film_curve *whole, double shape, film_curve *curve);
-FILM_API int film_shape_at(const film_family *family, const film_curve *whole, const double *shape, film_curve *curve);
+/* The curve of a shape, low <= *shape <= high, or of as many numbers as the family has of each contact. curve: a copy of `whole`,
+ * or the curve of another shape. The pieces beyond the end of its last stage are left out. 0, or FILM_BAD_CURVE: the family's
+ * numbers or the shape are out of range. */
+FILM_API int film_shape(const film_family *family, const film_curve *whole, const double *shape, film_curve *curve);
 
 /* Puts a curve in series with a spring of this compliance > 0. 0, or FILM_BAD_CURVE: the curve has one, is damped or pulls, or
  * its force falls so fast that the contact would snap through. */
@@ -359,25 +358,24 @@ FILM_API int film_instructions(void);
 FILM_API void film_batch_with(int instructions, const film_curve *curve, const film_mesh *mesh, int64_t count,
                               const film_start *start, film_summary *summary, int32_t *status);
 
-/* film_batch_with for contacts each of which has the curve of its own shape, on less than 500 kB of stack. */
-FILM_API void film_batch_shaped(int instructions, const film_family *family, const film_curve *whole, const film_mesh *mesh,
-                                int64_t count, const film_start *start, const double *shape, film_summary *summary, int32_t *status);
+/* The curves of many contacts, which differ in the shapes of a family, of whose whole law `curve` then is; in `varying` doubles,
+ * places[k] of the k-th among those of film_curve, its value for contact i in values[i varying + k]; and in springs of
+ * compliance[i] > 0 in series: NULL or 0 where they do not. */
+typedef struct {
+    const film_curve *curve;
+    const film_family *family;
+    const double *shape, *compliance, *values;
+    const int32_t *places;
+    int32_t varying;
+} film_curves;
 
-/* count contacts, one after another, on curves that differ from `curve` in `varying` doubles: places[k] of the k-th among
- * the doubles of film_curve, its value for contact i in values[i varying + k]. status[i] is what film_impact returns. */
-FILM_API void film_batch_varied(const film_curve *curve, const film_mesh *mesh, int64_t count, const film_start *start,
-                                int32_t varying, const int32_t *places, const double *values, film_summary *summary,
-                                int32_t *status);
-
-/* The same for contacts each of which is in series with a spring of its own, compliance[i] > 0, on less than 500 kB of stack; side
- * by side where possible and the curves do not vary. family and shape: as in film_batch_shaped, or NULL. status[i] is
- * FILM_BAD_CURVE where the contact would snap through. */
-FILM_API void film_batch_in_series(int instructions, const film_curve *curve, const film_mesh *mesh, int64_t count,
-                                   const film_start *start, const double *compliance, const film_family *family, const double *shape, int32_t varying,
-                                   const int32_t *places, const double *values, film_summary *summary, int32_t *status);
+/* film_batch_with for contacts on curves of their own, on less than 500 kB of stack, side by side where they do not vary. status[i]
+ * is FILM_BAD_CURVE where a contact would snap through its spring. */
+FILM_API void film_batch_of(int instructions, const film_curves *of, const film_mesh *mesh, int64_t count, const film_start *start,
+                            film_summary *summary, int32_t *status);
 
 /* dents[i]: what a contact leaves that turned at depth[i] and ended at end[i], of a law that pulls: xi_f of its branch, since
- * the contact ends below xi_f. varying, places, values: as in film_batch_varied. */
+ * the contact ends below xi_f. varying, places, values: as in film_curves. */
 FILM_API void film_dents(const film_curve *curve, int64_t count, int32_t varying, const int32_t *places, const double *values,
                          const double *depth, const double *end, double *dents);
 

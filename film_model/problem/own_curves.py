@@ -62,14 +62,9 @@ class OwnCurves(NamedTuple):
 
     def march(self, curve: Curve, mesh: native.Mesh, start: NDArray[Any]) -> tuple[NDArray[np.int32], NDArray[Any]]:
         """The core's statuses and summaries. curve: of the first impact; without its spring if springs differ alone."""
-        rows, varied, shape = self._rows(curve), self.varied, self.shape
-        if rows.compliance is not None:
-            return families.batch_in_series(rows, mesh, start)
-        if varied is not None:
-            return families.batch_varied(*varied, mesh, start)
-        if shape is not None and self.page is not None:
-            return families.batch(self.page.family, self.page.whole, mesh, start, shape)
-        return native.batch(curve.native, mesh, start)
+        if self.alike:
+            return native.batch(curve.native, mesh, start)
+        return families.batch(self._rows(curve), mesh, start)
 
     def motions(
         self, curve: Curve, mesh: native.Mesh, start: NDArray[Any], times: Array, reversible: bool
@@ -79,9 +74,11 @@ class OwnCurves(NamedTuple):
 
     def _rows(self, curve: Curve) -> families.Rows:
         page, shape, varied, spring = self
-        family = None if page is None or shape is None else (page.family, page.whole, shape)
-        own = None if varied is None else (varied.curve, varied.places, varied.values)
-        return families.Rows(curve.native, family, own, spring)
+        if varied is not None:
+            return families.Rows(varied.curve, compliance=spring, values=varied.values, places=varied.places)
+        if page is not None:
+            return families.Rows(page.whole, page.family, shape, spring)
+        return families.Rows(curve.native, compliance=spring)
 
     def groups(self) -> Iterator[Index]:
         """The impacts of each curve that differs from the others."""

@@ -60,7 +60,7 @@ int model_update_curve(model *m) {
     if (!m->own && !(m->own = malloc(sizeof *m->own))) return model_error(m, "no memory for the curve of the law");
     film_family numbers = {family->low, family->high, family->nodes, family->varying, (const double *)(whole + 1)};
     memcpy(m->own, own_shape ? &m->data->curve : whole, sizeof *m->own);
-    int status = own_shape ? FILM_OK : film_shape(&numbers, whole, shape, m->own);
+    int status = own_shape ? FILM_OK : film_shape(&numbers, whole, &shape, m->own);
     if (!own_exponent && put_exponent(m, exponent, m->own) < 0) return -1;
     if (status == FILM_OK) status = film_check_curve(m->own);
     if (status < 0) return model_core_error(m, status);

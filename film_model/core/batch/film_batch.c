@@ -145,24 +145,16 @@ void film_batch_with(int instructions, const film_curve *curve, const film_mesh 
     run_batch(&b, instructions, count);
 }
 
-void film_run_rows(int instructions, const film_family *family, const film_curve *whole, const film_mesh *mesh, int64_t count,
-                   const film_start *start, const double *shape, const double *spring, film_summary *summary, int32_t *status) {
+void film_run_rows(int instructions, const film_curves *of, const film_mesh *mesh, int64_t count, const film_start *start,
+                   film_summary *summary, int32_t *status) {
     batch b;
     own_stage own;
-    give(&b.j, whole, mesh, start, summary, status);
-    b.j.spring = spring;
-    if (family != NULL) {
-        b.j.family = family;
-        b.j.shape = shape;
-        film_own_stage(&b.j, &own);
-    }
+    give(&b.j, of->curve, mesh, start, summary, status);
+    b.j.spring = of->compliance;
+    b.j.family = of->family;
+    b.j.shape = of->shape;
+    if (of->family != NULL) film_own_stage(&b.j, &own);
     run_batch(&b, instructions, count);
-}
-
-void film_batch_shaped(int instructions, const film_family *family, const film_curve *whole, const film_mesh *mesh,
-                       int64_t count, const film_start *start, const double *shape, film_summary *summary, int32_t *status) {
-    film_run_rows(instructions, family, whole, mesh, count, start, shape, NULL, summary, status);
-    film_impacts_left(family, whole, mesh, count, start, shape, summary, status); /* its curve needs stack too */
 }
 
 enum { WORTH_ASKING = 2000 }; /* impacts that are worth the microseconds of film_instructions */

@@ -1,4 +1,4 @@
-/* Many impacts: sorted into blocks by film_batch.c, or one after another by film_impact.c. Internal. docs/method.md,
+/* Many impacts: sorted into blocks by film_batch.c, or one after another by film_curves.c. Internal. docs/method.md,
  * section 10. */
 #ifndef FILM_BATCH_H
 #define FILM_BATCH_H
@@ -11,29 +11,12 @@ const block_routines *film_routines(int instructions);
  * would be slower. */
 int film_single(const film_curve *curve, const film_mesh *mesh, const film_start *start, film_summary *summary, int32_t *status);
 
-/* Contacts in series with springs, as in film_batch_in_series, whose curves vary, one after another; LEFT_ALONE: lanes cannot run
- * it. */
-void film_single_in_series(const film_curve *curve, const film_mesh *mesh, int64_t count, const film_start *start,
-                           const double *compliance, int32_t varying, const int32_t *places, const double *values,
-                           film_summary *summary, int32_t *status);
-
-/* Impacts in blocks; family and spring: of film_batch_shaped and film_batch_in_series, or NULL. Those that lanes cannot run have
- * the status LEFT_ALONE if one of them is given. */
-void film_run_rows(int instructions, const film_family *family, const film_curve *whole, const film_mesh *mesh, int64_t count,
-                   const film_start *start, const double *shape, const double *spring, film_summary *summary, int32_t *status);
-
-/* The impacts that film_batch_shaped left alone, one after another. */
-void film_impacts_left(const film_family *family, const film_curve *whole, const film_mesh *mesh, int64_t count,
-                       const film_start *start, const double *shape, film_summary *summary, int32_t *status);
-
-/* Curves that differ from contact to contact in a shape of a family, in some doubles, in springs: NULL or 0 if they do not. */
-typedef struct {
-    const film_curve *curve;
-    const film_family *family;
-    const double *shape, *compliance, *values;
-    const int32_t *places;
-    int32_t varying;
-} film_curves;
+/* Contacts on curves of their own, for those of them that lanes can run: in blocks, or of curves that vary one after another. The
+ * others have the status LEFT_ALONE. */
+void film_run_rows(int instructions, const film_curves *of, const film_mesh *mesh, int64_t count, const film_start *start,
+                   film_summary *summary, int32_t *status);
+void film_run_varying(const film_curves *of, const film_mesh *mesh, int64_t count, const film_start *start, film_summary *summary,
+                      int32_t *status);
 
 /* The curve of contact i. energy: of film_shape_up_to. own: at first a copy of the curve of all. FILM_OK or FILM_BAD_CURVE. */
 int film_curve_of(const film_curves *of, int64_t i, double energy, film_curve *own);

@@ -45,14 +45,12 @@ static void by_series(int instructions, const film_curve *curve, const film_mesh
     if (in_lanes > 0) film_routines(instructions)->damped(&j, index, in_lanes);
 }
 
-void film_motions_many(const film_motions *m, const film_curve *curve, const film_mesh *mesh, int64_t count, const film_start *start,
-                       const double *compliance, const film_family *family, const double *shape, int32_t varying,
-                       const int32_t *places, const double *values, const double *times, double *force, double *depth,
-                       double *slope, double *power) {
-    film_curves of = {curve, family, shape, compliance, values, places, varying};
+void film_motions_many(const film_motions *m, const film_curves *of, const film_mesh *mesh, int64_t count, const film_start *start,
+                       const double *times, double *force, double *depth, double *slope, double *power) {
+    const film_curve *curve = of->curve;
     film_mesh lines = *mesh;
     film_curve made;
-    int alike = family == NULL && varying == 0 && compliance == NULL;
+    int alike = of->family == NULL && of->varying == 0 && of->compliance == NULL;
     lines.ways = FILM_LINES_ALONE;
     if (!alike) made = *curve;
     int32_t known[LANES];
@@ -63,12 +61,12 @@ void film_motions_many(const film_motions *m, const film_curve *curve, const fil
             const motions_wanted to = {m->samples, times, force, depth, slope + i * m->samples};
             by_series(m->instructions, curve, mesh, (int)(count - i < LANES ? count - i : LANES), &start[i], &to, known);
         }
-        double energy = family == NULL ? INFINITY : film_most_work(curve, &start[i]);
+        double energy = of->family == NULL ? INFINITY : film_most_work(curve, &start[i]);
         double *own_slope = slope ? slope + i * m->samples : NULL;
         int done = series && known[i % LANES] == FILM_EVENT;
         if (done) status = FILM_OK;
-        for (int again = !done && isfinite(times[m->samples - 1]); again; energy = INFINITY) { /* as march_in_series */
-            status = alike ? FILM_OK : film_curve_of(&of, i, energy, &made);
+        for (int again = !done && isfinite(times[m->samples - 1]); again; energy = INFINITY) { /* as march_on */
+            status = alike ? FILM_OK : film_curve_of(of, i, energy, &made);
             if (status >= 0) status = one_motion(m, alike ? curve : &made, &lines, &start[i], times, force, depth, own_slope);
             again = status == FILM_BEYOND_LAW && energy < INFINITY;
         }

@@ -17,11 +17,10 @@ typedef struct {
 FILM_API int film_motions_by_series(const film_curve *curve, const film_mesh *mesh);
 
 /* Force, depth and, of a reversible law and unless NULL, the slope of its force, of many contacts over time, by lines, or series:
- * times[i samples + k], force[i samples + k]; and the power of film_springs_power. Curves differ as in film_batch_in_series;
- * compliance may be NULL. Forces are NaN of a contact that fails, has more lines than there is room, or no finite last time. */
-FILM_API void film_motions_many(const film_motions *room, const film_curve *curve, const film_mesh *mesh, int64_t count,
-                                const film_start *start, const double *compliance, const film_family *family,
-                                const double *shape, int32_t varying, const int32_t *places, const double *values,
-                                const double *times, double *force, double *depth, double *slope, double *power);
+ * times[i samples + k], force[i samples + k]; and the power of film_springs_power. Forces are NaN of a contact that fails, has
+ * more lines than there is room, or no finite last time. */
+FILM_API void film_motions_many(const film_motions *room, const film_curves *of, const film_mesh *mesh, int64_t count,
+                                const film_start *start, const double *times, double *force, double *depth, double *slope,
+                                double *power);
 
 #endif

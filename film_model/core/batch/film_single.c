@@ -78,20 +78,20 @@ int film_single(const film_curve *curve, const film_mesh *mesh, const film_start
     return 1;
 }
 
-void film_single_in_series(const film_curve *curve, const film_mesh *mesh, int64_t count, const film_start *start,
-                           const double *compliance, int32_t varying, const int32_t *places, const double *values,
-                           film_summary *summary, int32_t *status) {
-    film_curve own = *curve;
+void film_run_varying(const film_curves *of, const film_mesh *mesh, int64_t count, const film_start *start, film_summary *summary,
+                      int32_t *status) {
+    film_curve own = *of->curve;
     double *doubles = (double *)&own;
     const int64_t first = 0;
     batch_job j;
     film_make_rule(mesh->loading, &j.rule);
     for (int64_t i = 0; i < count; i++) {
         int32_t stage = 0, piece = -1;
-        for (int32_t k = 0; k < varying; k++) doubles[places[k]] = values[i * varying + k];
-        give(&j, &own, mesh, &start[i], &summary[i], &status[i]);
-        j.spring = &compliance[i];
         status[i] = LEFT_ALONE;
+        if (of->compliance == NULL) continue;
+        for (int32_t k = 0; k < of->varying; k++) doubles[of->places[k]] = of->values[i * of->varying + k];
+        give(&j, &own, mesh, &start[i], &summary[i], &status[i]);
+        j.spring = &of->compliance[i];
         if (!is_plain(&j, &start[i]) || !film_prepare_job(&j)) continue;
         film_prepare_pieces(&j);
         piece = film_piece_on_fixed(&j, 0, &stage);

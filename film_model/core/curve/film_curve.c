@@ -102,11 +102,7 @@ int film_factors(const film_family *family, const double *shape, double *of, dou
     return 1;
 }
 
-int film_shape(const film_family *family, const film_curve *whole, double shape, film_curve *curve) {
-    return film_family_numbers(family) == 1 ? film_shape_at(family, whole, &shape, curve) : FILM_BAD_CURVE;
-}
-
-int film_shape_at(const film_family *family, const film_curve *whole, const double *shape, film_curve *curve) {
+int film_shape(const film_family *family, const film_curve *whole, const double *shape, film_curve *curve) {
     return film_shape_up_to(family, whole, shape, INFINITY, curve);
 }
 

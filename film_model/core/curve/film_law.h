@@ -232,7 +232,7 @@ int32_t film_branch_nearby(const film_curve *curve, const film_line *line, doubl
 /* The factors of a family's rows at a shape, and the end of the last stage. 0: shape or family are out of range. */
 int film_factors(const film_family *family, const double *shape, double *of, double *end);
 
-/* film_shape_at, without the pieces that begin where the work of the last stage exceeds `energy`: that stage then ends there. */
+/* film_shape, without the pieces that begin where the work of the last stage exceeds `energy`: that stage then ends there. */
 int film_shape_up_to(const film_family *family, const film_curve *whole, const double *shape, double energy, film_curve *curve);
 
 /* Whether a leg outwards that begins under this force is pulled all the way: it does not creep, and takes FILM_COSINE. Affects

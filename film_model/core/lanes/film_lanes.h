@@ -7,7 +7,7 @@
 #include "oblique/film_springs.h"
 #include "tables/film_job.h"
 
-/* For film_batch_shaped, film_batch_in_series and film_motions_many: an impact that lanes cannot run. */
+/* For film_batch_of and film_motions_many: an impact that lanes cannot run. */
 enum { LEFT_ALONE = 100 };
 
 /* Leaves an impact to film_marched: at once, or later, when its curve (of its shape, or in series with its spring) is made. */

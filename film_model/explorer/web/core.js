@@ -129,7 +129,7 @@ class Core {
     const known = this.shapes.get(key);
     if (known !== undefined) return known;
     const place = this.shapes.size < KEPT ? this.shaped[this.shapes.size] : this.forget();
-    const numbers = lastStage(law, n, end);
+    const numbers = [...lastStage(law, n, end), shape];
     const view = this.view();
     new Float64Array(this.c.memory.buffer, this.numbers, numbers.length).set(numbers);
     view.setFloat64(this.family, low, true);
@@ -139,7 +139,7 @@ class Core {
     view.setUint32(this.family + 24, this.numbers, true);
     const whole = this.curve(law.curve);
     new Uint8Array(this.c.memory.buffer).copyWithin(place, whole, whole + this.layout.curve);
-    const status = this.c.film_shape(this.family, whole, shape, place);
+    const status = this.c.film_shape(this.family, whole, this.numbers + 8 * (numbers.length - 1), place);
     if (status !== 0) throw new Failure(status);
     this.shapes.set(key, place);
     return place;

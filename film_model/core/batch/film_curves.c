@@ -1,5 +1,4 @@
-/* Many contacts, each in series with a spring of its own; and the curve of each of many contacts. docs/method.md, sections 8
- * and 10. */
+/* Many contacts, each on a curve of its own. docs/method.md, sections 8 and 10. */
 #include "batch/film_batch.h"
 
 int film_curve_of(const film_curves *of, int64_t i, double energy, film_curve *own) {
@@ -22,12 +21,12 @@ double film_most_work(const film_curve *curve, const film_start *start) {
     return start->gamma == 0.0 && is_undisturbed(curve, start) ? 0.5 * start->nu * start->nu : INFINITY;
 }
 
-/* Those of status LEFT_ALONE by the march, one after another. */
-static void march_in_series(const film_curves *of, const film_mesh *mesh, int64_t count, const film_start *start, film_summary *summary,
-                            int32_t *status) {
+/* Those of status LEFT_ALONE, one after another. */
+static void march_on(const film_curves *of, const film_mesh *mesh, int64_t count, const film_start *start, film_summary *summary,
+                     int32_t *status) {
     film_curve own = *of->curve;
     for (int64_t i = 0; i < count; i++) {
-        double energy = film_most_work(of->curve, &start[i]);
+        double energy = of->compliance == NULL ? INFINITY : film_most_work(of->curve, &start[i]);
         if (status[i] != LEFT_ALONE) continue;
         for (int again = 1; again; energy = INFINITY) { /* again if rounding takes it beyond the pieces that are made */
             int made = film_curve_of(of, i, energy, &own);
@@ -37,11 +36,9 @@ static void march_in_series(const film_curves *of, const film_mesh *mesh, int64_
     }
 }
 
-void film_batch_in_series(int instructions, const film_curve *curve, const film_mesh *mesh, int64_t count, const film_start *start,
-                          const double *compliance, const film_family *family, const double *shape, int32_t varying,
-                          const int32_t *places, const double *values, film_summary *summary, int32_t *status) {
-    if (varying == 0) film_run_rows(instructions, family, curve, mesh, count, start, shape, compliance, summary, status);
-    else film_single_in_series(curve, mesh, count, start, compliance, varying, places, values, summary, status);
-    film_curves of = {curve, family, shape, compliance, values, places, varying};
-    march_in_series(&of, mesh, count, start, summary, status);
+void film_batch_of(int instructions, const film_curves *of, const film_mesh *mesh, int64_t count, const film_start *start,
+                   film_summary *summary, int32_t *status) {
+    if (of->varying == 0) film_run_rows(instructions, of, mesh, count, start, summary, status);
+    else film_run_varying(of, mesh, count, start, summary, status);
+    march_on(of, mesh, count, start, summary, status);
 }

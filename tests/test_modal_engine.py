@@ -112,7 +112,7 @@ def test_against_dop853(law):
     rest = structure.omitted * problem.scales.force / problem.scales.length
     frequency, share = tables.frequency * unit, tables.share * problem.mass
     other = modal_reference.integrate(problem, frequency, share, rest, 1.0, 1.0 / unit, 1e-11)
-    assert [event.name for event in found.events] == [event.name for event in other.events]
+    assert found.event_names == [event.name for event in other.events]
     for name in ("maximum_force", "maximum_indentation", "contact_duration", "permanent_indentation", "final_velocity"):
         assert getattr(found.summary, name) == pytest.approx(getattr(other.summary, name), rel=2e-6, abs=1e-9), name
     assert found.energy == pytest.approx(other.energy, rel=1e-6)

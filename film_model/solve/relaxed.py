@@ -15,7 +15,6 @@ from film_model.problem.problem import TRIAL_TOLERANCE, Problem
 from film_model.problem.summary import difference, rounding
 from film_model.scene import DEFAULT_ACCURACY, Solver
 from film_model.solve.accuracy import raise_failure
-from film_model.solve.vibration import Moment
 
 FINER, FINEST = 0.1, 1e-10
 """Tolerances of a step: of a run over that of the one before, and the least. The first run is the trial."""
@@ -52,8 +51,8 @@ class Relaxed:
         return self.record.sample(times)
 
     @property
-    def events(self) -> tuple[Moment, ...]:
-        """Events, in the order of their times."""
+    def events(self) -> list[tuple[str, float, int]]:
+        """Events in the order of their times: name, time, and branch after it."""
         core = self.summary
         found = [("contact_begins", 0.0, 0)]
         if core.maximum_indentation > 0.0:
@@ -64,9 +63,7 @@ class Relaxed:
             found.append(("impactor_stops", stops, native.BRANCH if turned else 0))
         if self.status == native.EVENT:
             found.append(("contact_ends", core.contact_duration, native.FREE))
-        found.sort(key=lambda event: event[1])
-        values, _ = self.sample(np.array([time for _, time, _ in found]))
-        return tuple(Moment(name, time, row, branch) for (name, time, branch), row in zip(found, values, strict=True))
+        return sorted(found, key=lambda event: event[1])
 
 
 def relax(problem: Problem, accuracy: float, warnings: list[str]) -> tuple[Relaxed, float, float]:

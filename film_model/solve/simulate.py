@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import warnings as python_warnings
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any, NamedTuple, cast
+from typing import TYPE_CHECKING, Any, TypeAlias, cast
 
 import numpy as np
 
@@ -20,7 +20,7 @@ from film_model.solve.accuracy import Linearisation, estimate, mesh_of, raise_fa
 from film_model.solve.history import MOTION, Accuracy, Event, History, stages_at
 
 if TYPE_CHECKING:
-    from film_model.solve.vibration import Moment, Vibration
+    from film_model.solve.vibration import Vibration
 
 
 def simulate(
@@ -118,12 +118,19 @@ def _normal(choice: Choice, solver: Solver) -> History:
     remarks = list[str]()
     if scene.target.sensors and not problem.vibrates:
         remarks.append(f"sensors are left out: the vibrations of the {scene.target.kind} are not simulated")
-    history = way(scene, choice, remarks)
-    return replace(history, remarks=(*history.remarks, *energy_warning(problem, dict(history.summary))))
+    values, parts = way(scene, choice, remarks)
+    summary = {name: value if value == value else None for name, value in values.items()}  # None: did not happen
+    remarks += energy_warning(problem, summary)
+    parts = {"lines": np.empty(0, native.LINE_DTYPE), **parts}
+    return History(scene=scene, choice=choice, summary=summary, remarks=tuple(remarks), **parts)
 
 
-def _on_lines(scene: Scene, choice: Choice, warnings: list[str]) -> History:
-    """The history of an impact that the core marches."""
+_Parts: TypeAlias = tuple[dict[str, Any], dict[str, Any]]
+"""The summary of a motion, nan for what did not happen, and the parts of its history by their names."""
+
+
+def _on_lines(scene: Scene, choice: Choice, warnings: list[str]) -> _Parts:
+    """An impact that the core marches."""
     problem, solver = choice.problem, scene.solver
     if solver.segments is not None:
         counts, estimated = (solver.segments, solver.segments), estimate(problem, solver)
@@ -131,29 +138,16 @@ def _on_lines(scene: Scene, choice: Choice, warnings: list[str]) -> History:
         counts, estimated = refine(problem, solver, warnings)
     estimated += problem.curve.fit_error
     status, lines, states, summary = _record(problem, solver, counts)
-    events = _events(problem, _at_events(problem, states))
-    values = summary_of(problem, status, summary)
     target, outcome = scene.target, _outcome(status)
     if outcome is Outcome.TIME_LIMIT and target.structural and not target.finite:
         warnings.append(
             f"contact does not end: no wave comes back to the impactor in an infinite {target.kind}; "
             f"give target.{target.extent}"
         )
-    return History(
-        scene=scene,
-        choice=choice,
-        lines=lines,
-        events=events,
-        outcome=outcome,
-        summary=_known(values),
-        accuracy=Accuracy(solver.accuracy, estimated, *counts, lines.size - 1),
-        remarks=tuple(warnings),
-    )
-
-
-def _known(values: dict[str, Any]) -> dict[str, float | None]:
-    """A summary with None in place of nan, for what did not happen."""
-    return {name: value if value == value else None for name, value in values.items()}
+    accuracy = Accuracy(solver.accuracy, estimated, *counts, lines.size - 1)
+    events = _events_on_lines(problem, states)
+    found = {"lines": lines, "events": events, "outcome": outcome, "accuracy": accuracy}
+    return summary_of(problem, status, summary), found
 
 
 def _record(problem: Problem, solver: Solver, counts: tuple[int, int]) -> tuple[int, Any, Any, native.Summary]:
@@ -170,47 +164,22 @@ def _record(problem: Problem, solver: Solver, counts: tuple[int, int]) -> tuple[
     return status, lines, states, summary
 
 
-class _AtEvent(NamedTuple):
-    """An event: the core's five values (`motion_of`) at its time, and the law's branch after it."""
-
-    name: str
-    time: float
-    values: Sequence[float]
-    branch: int
-
-
-def _at_events(problem: Problem, states: Any) -> list[_AtEvent]:
-    """The motion at events, from the core's states (STATE_DTYPE) there."""
-    curve, gamma = problem.curve.native, problem.gamma
-    columns = (states[name].tolist() for name in ("event", "time", "xi", "nu", "force", "shift", "branch"))
-    found = [
-        _AtEvent(native.EVENTS[kind], time, (xi, nu - gamma * force, force, nu, shift), branch)
-        for kind, time, xi, nu, force, shift, branch in zip(*columns, strict=True)
-    ]
-    if curve.compliance == 0.0:
-        return found
-    at = (native.State.from_buffer_copy(state) for state in states)
-    return [event._replace(values=native.motion(curve, state).tolist()) for event, state in zip(found, at, strict=True)]
+def _events_on_lines(problem: Problem, states: Any) -> tuple[Event, ...]:
+    """Events, from the core's states (STATE_DTYPE) there."""
+    curve, force, nu = problem.curve.native, states["force"], states["nu"]
+    values: Any = (states["xi"], nu - problem.gamma * force, force, nu, states["shift"])
+    if curve.compliance > 0.0:
+        values = np.stack([native.motion(curve, native.State.from_buffer_copy(state)) for state in states], axis=1)
+    names = [native.EVENTS[kind] for kind in states["event"].tolist()]
+    return _events(problem, names, states["time"], values, states["branch"].tolist())
 
 
-def _events(problem: Problem, found: Iterable[_AtEvent | Moment]) -> tuple[Event, ...]:
-    """Events in SI."""
-    clock, met = problem.scales.time, list(found)
-    return tuple(
-        Event(event.name, t := event.time * clock, stage, **problem.motion(t, event.values))
-        for event, stage in zip(met, stages_at(problem, [event.branch for event in met]), strict=True)
-    )
-
-
-def _events_on_modes(problem: Problem, vibration: Vibration) -> tuple[Event, ...]:
-    """The same of an impact on modes, which may have thousands of them: all at once."""
-    met = vibration.met
-    times = met["time"] / vibration.unit * problem.scales.time
-    motion = problem.motion(times, met["values"].T)
-    kinds = [native.EVENTS[kind] for kind in met["event"].tolist()]
+def _events(problem: Problem, names: list[str], times: Any, values: Any, branches: list[int]) -> tuple[Event, ...]:
+    """Events in SI. times: in the march's unit. values: the core's five there (`motion_of`). branches: after them."""
+    times = times * problem.scales.time
+    motion = problem.motion(times, values)
     columns = (motion[name].tolist() for name in MOTION)
-    stages = stages_at(problem, met["branch"].tolist())
-    return tuple(map(Event._make, zip(kinds, times.tolist(), stages, *columns, strict=True)))
+    return tuple(map(Event._make, zip(names, times.tolist(), stages_at(problem, branches), *columns, strict=True)))
 
 
 def _outcome(status: int) -> Outcome:
@@ -219,8 +188,8 @@ def _outcome(status: int) -> Outcome:
     return Outcome.RESTING if status == native.ENDLESS else Outcome.TIME_LIMIT
 
 
-def _on_modes(scene: Scene, choice: Choice, warnings: list[str]) -> History:
-    """The history of an impact on a vibrating target."""
+def _on_modes(scene: Scene, choice: Choice, warnings: list[str]) -> _Parts:
+    """An impact on a vibrating target."""
     from film_model.solve.vibration import unused_options, vibrate
 
     target, solver, problem = scene.target, scene.solver, choice.problem
@@ -229,8 +198,10 @@ def _on_modes(scene: Scene, choice: Choice, warnings: list[str]) -> History:
     vibration, estimated = vibrate(problem, target, asked, warnings)
     values = summary_of(problem, native.EVENT if vibration.separated else native.OK, vibration.summary)
     values |= vibration.energies_in_si(problem)
-    summary = _known(values)
-    events = _events_on_modes(problem, vibration)
+    met = vibration.met
+    events = _events(
+        problem, vibration.event_names, met["time"] / vibration.unit, met["values"].T, met["branch"].tolist()
+    )
     lost = [event.time for event in events if event.name == "contact_ends"]
     if len(lost) > 1:
         warnings.append(
@@ -239,39 +210,24 @@ def _on_modes(scene: Scene, choice: Choice, warnings: list[str]) -> History:
         )
     if vibration.waited:
         warnings.append("the target still vibrates so far that it may touch the impactor again")
-    return History(
-        scene=scene,
-        choice=choice,
-        lines=np.empty(0, native.LINE_DTYPE),
-        events=events,
-        outcome=vibration.outcome,
-        summary=summary,
-        accuracy=Accuracy(solver.accuracy, estimated + problem.curve.fit_error, 0, 0, 0, vibration.modes),
-        remarks=tuple(warnings),
-        vibration=vibration,
-    )
+    accuracy = Accuracy(solver.accuracy, estimated + problem.curve.fit_error, 0, 0, 0, vibration.modes)
+    return values, {"events": events, "outcome": vibration.outcome, "accuracy": accuracy, "vibration": vibration}
 
 
-def _relaxing(scene: Scene, choice: Choice, warnings: list[str]) -> History:
-    """The history of an impact of viscoelastic bodies."""
+def _relaxing(scene: Scene, choice: Choice, warnings: list[str]) -> _Parts:
+    """An impact of viscoelastic bodies."""
     from film_model.solve.relaxed import relax
     from film_model.solve.vibration import unused_options
 
     solver, problem = scene.solver, choice.problem
     warnings.extend(unused_options(solver, "the contact of viscoelastic bodies is solved"))
     relaxed, estimated, _ = relax(problem, solver.accuracy or DEFAULT_ACCURACY, warnings)
-    values = summary_of(problem, relaxed.status, relaxed.summary)
-    return History(
-        scene=scene,
-        choice=choice,
-        lines=np.empty(0, native.LINE_DTYPE),
-        events=_events(problem, relaxed.events),
-        outcome=_outcome(relaxed.status),
-        summary=_known(values),
-        accuracy=Accuracy(solver.accuracy, estimated, 0, 0, relaxed.steps),
-        remarks=tuple(warnings),
-        relaxed=relaxed,
-    )
+    names, times, branches = zip(*relaxed.events, strict=True)
+    values, _ = relaxed.sample(np.array(times))
+    events = _events(problem, list(names), np.array(times), values.T, list(branches))
+    accuracy, outcome = Accuracy(solver.accuracy, estimated, 0, 0, relaxed.steps), _outcome(relaxed.status)
+    found = {"events": events, "outcome": outcome, "accuracy": accuracy, "relaxed": relaxed}
+    return summary_of(problem, relaxed.status, relaxed.summary), found
 
 
 def _unknown_shear(choice: Choice) -> str:

@@ -5,8 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
-from functools import cached_property
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -79,15 +78,6 @@ _OUTCOMES = {native.EVENT: Outcome.SEPARATED, native.ENDLESS: Outcome.RESTING, n
 _STATUSES = {outcome: status for status, outcome in _OUTCOMES.items()}
 
 
-class Moment(NamedTuple):
-    """An event: ξ, ξ', f, ν and displacement of the struck point at a time, and the law's branch after it."""
-
-    name: str
-    time: float
-    values: Array | list[float]
-    branch: int
-
-
 @dataclass(frozen=True)
 class Vibration(ModalMotion):
     """An impact on a vibrating target and how it was followed, in the units of the march. `summary` as the core's.
@@ -104,14 +94,10 @@ class Vibration(ModalMotion):
     target_error: float = 0.0
     """Relative error of the summary by the error of the target's static compliance."""
 
-    @cached_property
-    def events(self) -> tuple[Moment, ...]:
-        """The events, with times in the march's unit."""
-        columns = (self.met[name].tolist() for name in ("event", "time", "values", "branch"))
-        return tuple(
-            Moment(native.EVENTS[kind], time / self.unit, values, branch)
-            for kind, time, values, branch in zip(*columns, strict=True)
-        )
+    @property
+    def event_names(self) -> list[str]:
+        """Names of the events."""
+        return [native.EVENTS[kind] for kind in self.met["event"].tolist()]
 
     @property
     def status(self) -> int:

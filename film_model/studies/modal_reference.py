@@ -20,7 +20,6 @@ from film_model.base.errors import Outcome, SimulationError
 from film_model.core import native
 from film_model.problem.curve import curve_of
 from film_model.problem.problem import Problem
-from film_model.solve.vibration import Moment
 
 Array = NDArray[np.float64]
 
@@ -33,6 +32,15 @@ class System(NamedTuple):
     drag: Array
     load: float
     force: Callable[[float], float]
+
+
+class Moment(NamedTuple):
+    """An event: ξ, ξ', f, ν and displacement of the struck point at a time, and the law's branch after it."""
+
+    name: str
+    time: float
+    values: Array | list[float]
+    branch: int
 
 
 @dataclass(frozen=True)

@@ -39,7 +39,7 @@ def _on_modes(scene: Scene, highest: float) -> Callable[[], Finding]:
             problem, tables.frequency * unit, tables.share * problem.mass, rest, 1.0, 1.0 / unit, tolerance
         )
         contacts = "1 contact" if found.contacts == 1 else f"{found.contacts} contacts"
-        if [event.name for event in found.events] != [event.name for event in other.events]:
+        if found.event_names != [event.name for event in other.events]:
             return Finding(f"{contacts}, other events than the reference", math.inf)
         error = max(
             abs(getattr(found.summary, name) / getattr(other.summary, name) - 1.0)

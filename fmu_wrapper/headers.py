@@ -7,7 +7,7 @@ import textwrap
 from film_model.base.errors import STATUSES
 from film_model.base.units import scene_unit
 from fmu_wrapper import platforms
-from fmu_wrapper.variables import CHANGES, KINDS, RIGID, VARIABLES, Real, Variable, Whole, settable
+from fmu_wrapper.variables import CHANGES, KINDS, RIGID, VARIABLES, Real, Variable, Whole, reference, settable
 
 _ROLES = {"independent": "OUTPUT", "parameter": "PARAMETER", "input": "INPUT", "output": "OUTPUT", "local": "OUTPUT"}
 _TYPES = {Real: "REAL", Whole: "WHOLE"}
@@ -43,10 +43,13 @@ def _variables() -> str:
         "",
         f"static const double RIGID = {RIGID!r}; /* N s/m: a target with this impedance or more does not move */",
         "",
+        "/* by: the inputs and states that it depends on directly, and those if the law is damped: sums of BY. */",
+        "#define BY(reference) (1u << ((reference) - EXTERNAL_FORCE))",
         "typedef struct {",
         "    const char *name, *unit;",
         "    int type, changes, tunable, role[KINDS];",
         "    double low, high;",
+        "    unsigned by[KINDS], by_if_damped[KINDS];",
         "} film_variable;",
         "",
         "static const film_variable VARIABLE[VARIABLES] = {",
@@ -66,7 +69,13 @@ def _variable(v: Variable) -> str:
     high = repr(float(v.high)) if checked and v.high is not None else "1e300"
     unit = "" if v.dimension is None else scene_unit(v.dimension)
     what = f"{_TYPES.get(v.type, 'ENUMERATION')}, {v.changes.upper()}, {int(v.variability == 'tunable')}"
-    return f'    {{"{v.name}", "{unit}", {what}, {{{roles}}}, {low}, {high}}},'
+    by = ", ".join(f"{{{', '.join(_sum(of.get(kind, ())) for kind in KINDS)}}}" for of in (v.depends, v.depends_damped))
+    return f'    {{"{v.name}", "{unit}", {what}, {{{roles}}}, {low}, {high}, {by}}},'
+
+
+def _sum(names: tuple[str, ...]) -> str:
+    """The sum of BY of some variables."""
+    return f"{sum(1 << (reference(name) - reference('external_force')) for name in names):#x}"
 
 
 def _failures() -> str:

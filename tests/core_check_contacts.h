@@ -332,10 +332,10 @@ static void check_batch(int which, const film_mesh *mesh, double same, double li
     film_summary single;
     for (int i = 0; i < BATCH; i++) start[i] = random_start(which);
     start[BATCH / 2].nu = NAN;
-    film_batch(&curves[which], mesh, BATCH, start, summary, status);
+    film_batch(film_instructions(), &curves[which], mesh, BATCH, start, summary, status);
     for (int32_t count = 0; count <= BATCH; count += 100) {
         for (int instructions = FILM_PLAIN; instructions <= film_instructions(); instructions++) {
-            film_batch_with(instructions, &curves[which], mesh, count, start, again, status_again);
+            film_batch(instructions, &curves[which], mesh, count, start, again, status_again);
             HOLD(memcmp(again, summary, (size_t)count * sizeof *summary) == 0);
             HOLD(memcmp(status_again, status, (size_t)count * sizeof *status) == 0);
         }
@@ -344,7 +344,7 @@ static void check_batch(int which, const film_mesh *mesh, double same, double li
         snprintf(where, sizeof where, "batch, curve %d, nu %.17g, gamma %.17g, load %.17g, mesh %d %d %d", which,
                  start[i].nu, start[i].gamma, start[i].load, (int)mesh->linearisation, (int)mesh->loading,
                  (int)mesh->unloading);
-        film_batch(&curves[which], mesh, 1, &start[i], &alone, &one);
+        film_batch(film_instructions(), &curves[which], mesh, 1, &start[i], &alone, &one);
         HOLD(one == status[i]);
         HOLD(memcmp(&alone, &summary[i], sizeof alone) == 0);
         stir_summary(status[i], &summary[i]);
@@ -367,7 +367,7 @@ static void check_batch(int which, const film_mesh *mesh, double same, double li
         check_near(&single, &slow, &start[i], which == LINEAR, same, lines_error);
     }
     HOLD(status[BATCH / 2] == FILM_BAD_NUMBER);
-    film_batch(&curves[which], mesh, 0, NULL, NULL, NULL);
+    film_batch(film_instructions(), &curves[which], mesh, 0, NULL, NULL, NULL);
     free(start);
     free(summary);
     free(again);

@@ -524,9 +524,9 @@ static void check_batch(const film_start *first) {
         if (start[i].load > 0.0) start[i].time_limit = fmin(100.0, 1000.0 * start[i].nu / start[i].load); /* it may swing for long */
         if (curve.pull > 0.0) start[i].time_limit = 30.0;
     }
-    film_batch(&curve, &mesh, count, start, summary, status);
+    film_batch(film_instructions(), &curve, &mesh, count, start, summary, status);
     for (int instructions = FILM_PLAIN; instructions <= film_instructions(); instructions++) {
-        film_batch_with(instructions, &curve, &mesh, count - 2, start, again, status_again);
+        film_batch(instructions, &curve, &mesh, count - 2, start, again, status_again);
         HOLD(memcmp(again, summary, (size_t)(count - 2) * sizeof *summary) == 0);
         HOLD(memcmp(status_again, status, (size_t)(count - 2) * sizeof *status) == 0);
     }

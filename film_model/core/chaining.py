@@ -5,7 +5,6 @@ from __future__ import annotations
 import ctypes as c
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import lru_cache
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -77,12 +76,7 @@ class Run:
         return self.steps * (self.modes + OTHERS)
 
 
-@lru_cache(maxsize=1)
-def _library() -> Any:
-    """The core's library, with the functions of film_chain.h declared."""
-    lib = CHAIN.declare(native.library())
-    CHAIN.check(lib, "film_chain_sizes", Chain, Contact, Summary)
-    return lib
+_library = native.with_functions(CHAIN, sizes=("film_chain_sizes", Chain, Contact, Summary))
 
 
 def run(

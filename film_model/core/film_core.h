@@ -347,16 +347,12 @@ FILM_API int film_impact(const film_curve *curve, const film_mesh *mesh, const f
 FILM_API int film_marched(const film_curve *curve, const film_mesh *mesh, const film_start *start, film_summary *summary);
 
 /* count contacts, side by side where possible, on less than 400 kB of stack; status[i] is what film_impact returns for
- * start[i]. The result of an impact does not depend on the others. docs/method.md, section 10. */
-FILM_API void film_batch(const film_curve *curve, const film_mesh *mesh, int64_t count, const film_start *start,
-                         film_summary *summary, int32_t *status);
-
-/* film_batch with the instructions given, at most film_instructions(); the bits are the same with all of them. Asking the
- * processor may take 20 microseconds, so film_batch asks only for large batches. */
+ * start[i]. The result of an impact does not depend on the others, nor on the instructions, at most film_instructions(), which
+ * may take 20 microseconds to ask the processor. docs/method.md, section 10. */
 enum { FILM_PLAIN = 0, FILM_AVX2 = 1, FILM_AVX512 = 2 };
 FILM_API int film_instructions(void);
-FILM_API void film_batch_with(int instructions, const film_curve *curve, const film_mesh *mesh, int64_t count,
-                              const film_start *start, film_summary *summary, int32_t *status);
+FILM_API void film_batch(int instructions, const film_curve *curve, const film_mesh *mesh, int64_t count, const film_start *start,
+                         film_summary *summary, int32_t *status);
 
 /* The curves of many contacts, which differ in the shapes of a family, of whose whole law `curve` then is; in `varying` doubles,
  * places[k] of the k-th among those of film_curve, its value for contact i in values[i varying + k]; and in springs of
@@ -369,7 +365,7 @@ typedef struct {
     int32_t varying;
 } film_curves;
 
-/* film_batch_with for contacts on curves of their own, on less than 500 kB of stack, side by side where they do not vary. status[i]
+/* film_batch for contacts on curves of their own, on less than 500 kB of stack, side by side where they do not vary. status[i]
  * is FILM_BAD_CURVE where a contact would snap through its spring. */
 FILM_API void film_batch_of(int instructions, const film_curves *of, const film_mesh *mesh, int64_t count, const film_start *start,
                             film_summary *summary, int32_t *status);

@@ -56,12 +56,7 @@ class _Brief(c.Structure):
 NORMAL_DTYPE, MANY_DTYPE = np.dtype(Normal), np.dtype(_Brief)
 
 
-@lru_cache(maxsize=1)
-def _library() -> Any:
-    """The core's library, with the functions of film_friction.h declared."""
-    lib = FRICTION.declare(native.library())
-    FRICTION.check(lib, "film_friction_sizes", Normal, Result, _Brief)
-    return lib
+_library = native.with_functions(FRICTION, sizes=("film_friction_sizes", Normal, Result, _Brief))
 
 
 def impact(normal: Normal, rate: float, velocity: float) -> tuple[int, Result, Array]:

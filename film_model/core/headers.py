@@ -92,11 +92,10 @@ class Header:
             function.restype = self._kinds[result.strip()]
         return library
 
-    def check(self, library: Any, name: str, *kinds: type[c.Structure]) -> None:
-        """Raise ImportError if the library's function of this name gives other sizes of structures."""
-        sizes = (c.c_int64 * len(kinds))()
-        getattr(library, name)(sizes)
-        if list(sizes) != [c.sizeof(kind) for kind in kinds]:
-            raise ImportError(
-                f"{library._name} was built from other sources: install the package again (pip install .)"
-            )
+
+def check_sizes(library: Any, name: str, *kinds: type[c.Structure]) -> None:
+    """Raise ImportError if the library's function of this name gives other sizes of structures."""
+    sizes = (c.c_int64 * len(kinds))()
+    getattr(library, name)(sizes)
+    if list(sizes) != [c.sizeof(kind) for kind in kinds]:
+        raise ImportError(f"{library._name} was built from other sources: install the package again (pip install .)")

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import ctypes as c
 from dataclasses import dataclass
-from functools import lru_cache
 from threading import Lock
 from typing import Any
 
@@ -69,12 +68,7 @@ EVENT_DTYPE = np.dtype(Event)
 SUMMARY_DTYPE = np.dtype(Summary)
 
 
-@lru_cache(maxsize=1)
-def _library() -> Any:
-    """The core's library, with the functions of film_modal.h declared."""
-    lib = MODAL.declare(native.library())
-    MODAL.check(lib, "film_modal_sizes", Structure, Modal, Start, Segment, Event, Summary)
-    return lib
+_library = native.with_functions(MODAL, sizes=("film_modal_sizes", Structure, Modal, Start, Segment, Event, Summary))
 
 
 class Tables:

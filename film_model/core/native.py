@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from film_model.core.headers import Header
+from film_model.core.headers import Header, check_sizes
 
 CORE = Header("film_core.h")
 MAX_STAGES, MAX_PIECES, MAX_TERMS, MAX_SEGMENTS = CORE.film("MAX_STAGES", "MAX_PIECES", "MAX_TERMS", "MAX_SEGMENTS")
@@ -124,8 +124,24 @@ def library() -> Any:
     lib = c.CDLL(path)
     for header in (CORE, SOLVE, Header("batch/film_many.h", CORE), MOTIONS):
         header.declare(lib)
-    CORE.check(lib, "film_sizes", Curve, Mesh, Line, State, Summary)
+    check_sizes(lib, "film_sizes", Curve, Mesh, Line, State, Summary)
     return lib
+
+
+def with_functions(*headers: Header, sizes: tuple[Any, ...] = ()) -> Callable[[], Any]:
+    """What gives the library with the functions of further headers declared. sizes: the name of the core's function
+    that gives those of structures, and these."""
+
+    @lru_cache(maxsize=1)
+    def loaded() -> Any:
+        lib = library()
+        for header in headers:
+            header.declare(lib)
+        if sizes:
+            check_sizes(lib, *sizes)
+        return lib
+
+    return loaded
 
 
 @lru_cache(maxsize=64)
@@ -241,7 +257,7 @@ def batch(
     start = np.ascontiguousarray(start, dtype=START_DTYPE)
     memory, status = np.empty(start.size * SUMMARY_DTYPE.itemsize, np.uint8), np.empty(start.size, np.int32)
     own = c.byref(curve), c.byref(cut), start.size, start.ctypes.data, at(memory), at(status)
-    library().film_batch_with(instructions() if using is None else using, *own)
+    library().film_batch(instructions() if using is None else using, *own)
     return status, np.ndarray(start.size, SUMMARY_DTYPE, memory)
 
 

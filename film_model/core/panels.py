@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import ctypes as c
 from collections.abc import Sequence
-from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -34,10 +33,7 @@ class Panel(c.Structure):
     """A plate with any edges, in any units."""
 
 
-@lru_cache(maxsize=1)
-def _library() -> Any:
-    """The core's library, with the functions of film_panel.h and film_ritz.h declared."""
-    return PANEL.declare(RITZ.declare(native.library()))
+_library = native.with_functions(RITZ, PANEL)
 
 
 def functions(shapes: int, arrays: Sequence[NDArray[Any]], halves: int) -> Functions:

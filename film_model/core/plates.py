@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import ctypes as c
-from functools import lru_cache
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,10 +21,7 @@ class Plate(c.Structure):
     1/S and bulge of a plate with shear, 0 without, in any units."""
 
 
-@lru_cache(maxsize=1)
-def _library() -> Any:
-    """The core's library, with the functions of film_plate.h declared."""
-    return PLATE.declare(native.library())
+_library = native.with_functions(PLATE)
 
 
 def sheared(plate: Plate) -> bool:

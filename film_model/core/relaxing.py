@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import ctypes as c
-from functools import lru_cache
 from threading import local
 from typing import Any
 
@@ -37,12 +36,7 @@ class State(c.Structure):
 LAW_DTYPE = np.dtype(Law)
 
 
-@lru_cache(maxsize=1)
-def _library() -> Any:
-    """The core's library, with the functions of film_relax.h declared."""
-    lib = RELAX.declare(native.library())
-    RELAX.check(lib, "film_relax_sizes", Law, Step, State)
-    return lib
+_library = native.with_functions(RELAX, sizes=("film_relax_sizes", Law, Step, State))
 
 
 class _Room(local):

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import ctypes as c
-from functools import lru_cache
-from typing import Any
 
 from film_model.core import modal, native
 from film_model.core.headers import Header
@@ -19,13 +17,7 @@ class Sliding(c.Structure):
     set it to 0, which the core limits."""
 
 
-@lru_cache(maxsize=1)
-def _library() -> Any:
-    """The core's library, with the functions of film_slide.h declared."""
-    lib = SLIDE.declare(native.library())
-    if lib.film_slide_size() != c.sizeof(Sliding):
-        raise ImportError("the core was built from other sources: install the package again (pip install .)")
-    return lib
+_library = native.with_functions(SLIDE, sizes=("film_slide_sizes", Sliding))
 
 
 def begin(curve: native.Curve, friction: float, mass: float, velocity: float) -> Sliding:

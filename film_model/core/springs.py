@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import ctypes as c
 from collections.abc import Sequence
-from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -51,12 +50,7 @@ class _Brief(c.Structure):
 MANY_DTYPE = np.dtype(_Brief)
 
 
-@lru_cache(maxsize=1)
-def _library() -> Any:
-    """The core's library, with the functions of film_springs.h declared."""
-    lib = SPRINGS.declare(native.library())
-    SPRINGS.check(lib, "film_springs_sizes", Springs, _Brief)
-    return lib
+_library = native.with_functions(SPRINGS, sizes=("film_springs_sizes", Springs, _Brief))
 
 
 def energy(state: Springs) -> float:

@@ -28,7 +28,7 @@ from film_model.problem.law_of_scene import SceneLaw, laws_of
 from film_model.problem.problem import Impacts, Problem
 from film_model.problem.varied import fitted_by
 from film_model.scene import Scene
-from film_model.scene.columns import scene_of_columns
+from film_model.scene.columns import scene_of_columns, scene_of_row
 
 FEW = 4
 """If fewer impacts than this share a curve, on average, they are set up one by one."""
@@ -84,8 +84,7 @@ def law_warnings_of_each(scene: Scene, columns: Mapping[str, Array], count: int)
         for place, row in enumerate(rows_of(problem).tolist()):
             found[row] = law_warnings(problem.part(np.array([place])).as_first(), depths[place : place + 1])
     for row in (status == VIBRATES).nonzero()[0].tolist():
-        own = {path: cast("Any", float(values[row])) for path, values in columns.items()}
-        found[row] = law_warnings(problem_of(scene_of_columns(scene, own)))
+        found[row] = law_warnings(problem_of(scene_of_row(scene, columns, row)))
     return found
 
 
@@ -121,8 +120,7 @@ def _one_by_one(
         return []
     for row in rows.tolist():
         try:
-            own = {path: cast("Any", float(values[row])) for path, values in columns.items()}
-            problem = problem_of(scene_of_columns(scene, own))
+            problem = problem_of(scene_of_row(scene, columns, row))
         except (SimulationError, ValueError) as error:
             first = first or error
             continue
@@ -140,9 +138,8 @@ def _all_vibrate(scene: Scene, columns: Mapping[str, Array], rows: Index) -> boo
     part = _part(scene, columns, rows)
     order = np.argsort(np.broadcast_to(part.approach_velocity**2 * part.mass, rows.shape), kind="stable")
     for row in rows[order[np.linspace(0, rows.size - 1, _ASKED).astype(int)]].tolist():
-        own = {path: cast("Any", float(values[row])) for path, values in columns.items()}
         try:
-            if not problem_of(scene_of_columns(scene, own)).vibrates:
+            if not problem_of(scene_of_row(scene, columns, row)).vibrates:
                 return False
         except (SimulationError, ValueError):
             return False

@@ -28,6 +28,12 @@ def scene_of_columns(scene: Scene, columns: Mapping[str, Array]) -> Scene:
     return made
 
 
+def scene_of_row(scene: Scene, columns: Mapping[str, Array], row: int) -> Scene:
+    """The scene with the numbers [SI] of one row of some columns."""
+    numbers: dict[str, Any] = {path: float(values[row]) for path, values in columns.items()}
+    return scene_of_columns(scene, numbers)
+
+
 def _copied(section: str, owners: dict[str, Any]) -> Any:
     """A copy of a part of the scene, put into a copy of the part that has it. owners: the copies by their paths."""
     parent, _, name = section.rpartition(".")

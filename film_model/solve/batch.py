@@ -258,11 +258,10 @@ def _one_oblique(found: ManyOblique, scene: Scene, columns: Mapping[str, Array],
     """The results of one impact, simulated alone."""
     from film_model.effects.choose import choose
     from film_model.oblique.result import REGIMES
-    from film_model.scene.columns import scene_of_columns
+    from film_model.scene.columns import scene_of_row
     from film_model.solve.simulate import simulate_chosen
 
-    own: dict[str, Any] = {path: float(values[row]) for path, values in columns.items()}
-    oblique = simulate_chosen(choose(scene_of_columns(scene, own)), solver).oblique
+    oblique = simulate_chosen(choose(scene_of_row(scene, columns, row)), solver).oblique
     if oblique is not None:
         number = REGIMES.index(oblique.sliding_regime)
         found.known(row, oblique.summary, number, oblique.estimated)

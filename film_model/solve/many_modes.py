@@ -27,7 +27,7 @@ from film_model.problem.law_of_scene import SceneLaw
 from film_model.problem.problem import Impacts, Problem
 from film_model.problem.summary import SUMMARY, difference, radiated, summary_of
 from film_model.scene import DEFAULT_ACCURACY, Scene, Solver
-from film_model.scene.columns import scene_of_columns
+from film_model.scene.columns import scene_of_columns, scene_of_row
 from film_model.solve import structures, vibration
 from film_model.solve.closed_form import ClosedForm
 from film_model.solve.sensed import Peaks, quantities_of, replayed
@@ -141,8 +141,7 @@ def on_modes(scene: Scene, columns: Mapping[str, Array], rows: Index, solver: So
 
 
 def _problem(scene: Scene, columns: Mapping[str, Array], row: int) -> Problem:
-    own: dict[str, Any] = {path: float(values[row]) for path, values in columns.items()}
-    return problem_of(scene_of_columns(scene, own))
+    return problem_of(scene_of_row(scene, columns, row))
 
 
 def _one_by_one(scene: Scene, columns: Mapping[str, Array], rows: Index, accuracy: float) -> Vibrating:

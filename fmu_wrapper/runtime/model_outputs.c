@@ -170,10 +170,6 @@ int model_get(model *m, unsigned reference, double *value) {
     return isfinite(*value) ? 0 : model_not_finite(m, model_name(m, reference));
 }
 
-static int is_state(unsigned reference) {
-    return reference == INDENTATION || reference == IMPACTOR_VELOCITY || reference == TARGET_DISPLACEMENT;
-}
-
 int model_is_parameter(const model *m, unsigned reference) {
     return reference < VARIABLES && model_has(m, reference) && VARIABLE[reference].role[m->data->kind] == PARAMETER;
 }
@@ -183,29 +179,14 @@ int model_depends(const model *m, unsigned unknown, unsigned known) {
     if (model_is_sensed(m, unknown)) return (unknown - VARIABLES) % SENSED == 1 && known == SUPPORT_VELOCITY; /* the velocity */
     if (!exchange && is_exchanged(unknown)) return -1;
     if (model_of_friction(unknown)) return slides(m) ? 0 : -1;
-    if (!exchange && is_state(known)) return model_depends(m, unknown, TIME); /* they are no states there */
+    if (!exchange && model_is_state(m, known)) return model_depends(m, unknown, TIME); /* they are no states there */
     int impact = m->data->kind == IMPACT;
     if (model_is_parameter(m, known) && !vibrates(m) && model_depends(m, unknown, TIME) >= 0)
         return (impact || unknown == CONTACT_FORCE) && unknown != MEAN_CONTACT_FORCE;
-    int by_rate = impact ? known == IMPACTOR_VELOCITY || known == SUPPORT_VELOCITY : known == RELATIVE_VELOCITY;
-    int by_force = known == INDENTATION || (damped(m) && by_rate);
-    switch (unknown) {
-    case CONTACT_FORCE: return by_force;
-    case INDENTATION: return impact && known == INDENTATION;
-    case KINETIC_ENERGY: return known == IMPACTOR_VELOCITY;
-    case IMPACTOR_VELOCITY:
-    case TARGET_DISPLACEMENT: return known == unknown;
-    case IMPACTOR_DISPLACEMENT: return known == INDENTATION || known == TARGET_DISPLACEMENT;
-    case RATE_OF_INDENTATION:
-    case RELATIVE_VELOCITY:
-        return impact && (known == INDENTATION || known == IMPACTOR_VELOCITY || known == SUPPORT_VELOCITY);
-    case RATE_OF_TARGET_DISPLACEMENT:
-    case TARGET_VELOCITY: return by_force || known == SUPPORT_VELOCITY;
-    case RATE_OF_IMPACTOR_VELOCITY:
-    case IMPACTOR_ACCELERATION: return by_force || known == EXTERNAL_FORCE;
-    default: break;
-    }
-    return model_is_discrete(unknown) ? 0 : -1;
+    const film_variable *of = &VARIABLE[unknown];
+    unsigned by = of->by[m->data->kind] | (damped(m) ? of->by_if_damped[m->data->kind] : 0u), place = known - EXTERNAL_FORCE;
+    if (of->by[m->data->kind] == 0u) return model_is_discrete(unknown) ? 0 : -1;
+    return place <= TARGET_DISPLACEMENT - EXTERNAL_FORCE && (by & BY(known)) != 0u;
 }
 
 int model_partial(model *m, unsigned unknown, unsigned known, double *partial) {
@@ -214,8 +195,8 @@ int model_partial(model *m, unsigned unknown, unsigned known, double *partial) {
     int sensed = model_is_sensed(m, unknown);
     if (!sensed && (unknown >= VARIABLES || VARIABLE[unknown].role[m->data->kind] != OUTPUT || model_depends(m, unknown, known) < 0))
         return model_error(m, "%s is not a real output", model_name(m, unknown));
-    int state = is_state(known) && model_has_exchange(m->data);
-    if (known >= VARIABLES || (VARIABLE[known].role[m->data->kind] != INPUT && !(m->data->kind == IMPACT && state)))
+    int state = model_is_state(m, known) && model_has_exchange(m->data);
+    if (known >= VARIABLES || (VARIABLE[known].role[m->data->kind] != INPUT && !state))
         return model_error(m, "%s is neither an input, a state nor a parameter", known < VARIABLES ? VARIABLE[known].name : "the known");
     if (!m->memory.initialized && model_initialize(m, m->memory.start_time) < 0) return -1;
     if (!model_depends(m, unknown, known)) return 0;

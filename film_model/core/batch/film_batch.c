@@ -138,8 +138,8 @@ static void run_batch(batch *b, int instructions, int64_t count) {
     run_rest(b);
 }
 
-void film_batch_with(int instructions, const film_curve *curve, const film_mesh *mesh, int64_t count,
-                     const film_start *start, film_summary *summary, int32_t *status) {
+void film_batch(int instructions, const film_curve *curve, const film_mesh *mesh, int64_t count, const film_start *start,
+                film_summary *summary, int32_t *status) {
     batch b;
     give(&b.j, curve, mesh, start, summary, status);
     run_batch(&b, instructions, count);
@@ -155,12 +155,4 @@ void film_run_rows(int instructions, const film_curves *of, const film_mesh *mes
     b.j.shape = of->shape;
     if (of->family != NULL) film_own_stage(&b.j, &own);
     run_batch(&b, instructions, count);
-}
-
-enum { WORTH_ASKING = 2000 }; /* impacts that are worth the microseconds of film_instructions */
-
-void film_batch(const film_curve *curve, const film_mesh *mesh, int64_t count, const film_start *start,
-                film_summary *summary, int32_t *status) {
-    int instructions = count < WORTH_ASKING ? FILM_PLAIN : film_instructions();
-    film_batch_with(instructions, curve, mesh, count, start, summary, status);
 }

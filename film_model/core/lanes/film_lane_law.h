@@ -93,32 +93,31 @@ static void piece_law_lanes(const film_piece *piece, const double *restrict xi, 
     }
 }
 
+/* A series at z, of which each lane has its own terms, by Clenshaw's recurrence. */
+static void own_series_lanes(const double (*of)[LANES], int32_t terms, const double *restrict z, double *restrict out) {
+    double a1[LANES] = {0.0}, a2[LANES] = {0.0};
+    for (int32_t k = terms - 1; k > 0; k--) {
+        EACH(l) {
+            double a = 2.0 * z[l] * a1[l] - a2[l] + of[k][l];
+            a2[l] = a1[l];
+            a1[l] = a;
+        }
+    }
+    EACH(l) out[l] = z[l] * a1[l] - a2[l] + of[0][l];
+}
+
 /* piece_law_lanes where each lane has its own series. The pieces lie at the same depths. */
 static void own_law_lanes(const own_stage *own, const film_piece *first, int32_t p, const double *restrict xi,
                           double *restrict force, double *restrict work) {
     const film_function *g = &first[p].force;
     const double(*column)[LANES] = &own->value[own->piece[p].column];
-    const double(*of_force)[LANES] = column + 1, (*of_mean)[LANES] = of_force + own->piece[p].force;
-    double z[LANES], a1[LANES] = {0.0}, a2[LANES] = {0.0}, b1[LANES] = {0.0}, b2[LANES] = {0.0};
+    double z[LANES], mean[LANES];
     variable_lanes(g, xi, z);
-    for (int32_t k = own->piece[p].force - 1; k > 0; k--) {
-        EACH(l) {
-            double a = 2.0 * z[l] * a1[l] - a2[l] + of_force[k][l];
-            a2[l] = a1[l];
-            a1[l] = a;
-        }
-    }
-    for (int32_t k = own->piece[p].mean - 1; k > 0; k--) {
-        EACH(l) {
-            double b = 2.0 * z[l] * b1[l] - b2[l] + of_mean[k][l];
-            b2[l] = b1[l];
-            b1[l] = b;
-        }
-    }
+    own_series_lanes(column + 1, own->piece[p].force, z, force);
+    own_series_lanes(column + 1 + own->piece[p].force, own->piece[p].mean, z, mean);
     EACH(l) {
         double x = xi[l] - g->origin;
-        force[l] = z[l] * a1[l] - a2[l] + of_force[0][l];
-        work[l] = (x > 0.0 ? x : 0.0) * (z[l] * b1[l] - b2[l] + of_mean[0][l]) - column[0][l];
+        work[l] = (x > 0.0 ? x : 0.0) * mean[l] - column[0][l];
     }
 }
 
@@ -152,29 +151,17 @@ static void slope_lanes(const batch_job *j, int32_t stage, const film_piece *pie
     }
 }
 
-/* A series of which each lane has its own terms. */
-static void own_series_lanes(const film_function *g, const double (*of)[LANES], int32_t terms, const double *restrict xi,
-                             double *restrict out) {
-    double z[LANES], a1[LANES] = {0.0}, a2[LANES] = {0.0};
-    variable_lanes(g, xi, z);
-    for (int32_t k = terms - 1; k > 0; k--) {
-        EACH(l) {
-            double a = 2.0 * z[l] * a1[l] - a2[l] + of[k][l];
-            a2[l] = a1[l];
-            a1[l] = a;
-        }
-    }
-    EACH(l) out[l] = z[l] * a1[l] - a2[l] + of[0][l];
-}
-
 /* Recovery and exponent of a piece of the stage that differs between lanes. */
 static void own_unloading_lanes(const own_stage *own, const film_piece *piece, int32_t p, const double *restrict xi,
                                 double *restrict recovery, double *restrict exponent) {
     const double(*of)[LANES] = &own->value[own->piece[p].column + 1 + own->piece[p].force + own->piece[p].mean];
     int32_t terms = own->piece[p].recovery, more = own->piece[p].exponent;
+    double z[LANES];
     if (terms == 0 || more == 0) value_lanes(&piece->recovery, &piece->exponent, xi, recovery, exponent);
-    if (terms > 0) own_series_lanes(&piece->recovery, of, terms, xi, recovery);
-    if (more > 0) own_series_lanes(&piece->exponent, of + terms, more, xi, exponent);
+    variable_lanes(&piece->recovery, xi, z);
+    if (terms > 0) own_series_lanes(of, terms, z, recovery);
+    variable_lanes(&piece->exponent, xi, z);
+    if (more > 0) own_series_lanes(of + terms, more, z, exponent);
 }
 
 enum { FORCE_AND_WORK, RECOVERY_AND_EXPONENT, SLOPE };

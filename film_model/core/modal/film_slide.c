@@ -127,4 +127,4 @@ int film_slide_on_modes(film_structure *structure, const film_curve *curve, film
     return FILM_TOO_MANY;
 }
 
-int64_t film_slide_size(void) { return (int64_t)sizeof(film_sliding); }
+void film_slide_sizes(int64_t sizes[1]) { sizes[0] = (int64_t)sizeof(film_sliding); }

@@ -36,6 +36,6 @@ FILM_API int film_slide_on_modes(film_structure *structure, const film_curve *cu
                                  const double *friction, int32_t rows, film_sliding *sliding);
 
 /* sizeof film_sliding. */
-FILM_API int64_t film_slide_size(void);
+FILM_API void film_slide_sizes(int64_t sizes[1]);
 
 #endif

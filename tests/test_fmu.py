@@ -21,10 +21,10 @@ from cases import scene as scene_as_given
 import film_datasets as fd
 import film_model as fm
 import fmu_wrapper
+from examples.reference.fmu_headers import headers
 from film_model.cli.main import main
 from film_model.problem.law_of_scene import YIELDING
 from fmu_wrapper import platforms, resource
-from fmu_wrapper.headers import headers
 from fmu_wrapper.instance import opened, started
 from fmu_wrapper.stepping import RECORDED
 from fmu_wrapper.variables import OF_FRICTION, VARIABLES, reference

@@ -1,4 +1,4 @@
-"""The C headers that are generated: `python -m fmu_wrapper.headers` writes them into `runtime/`."""
+"""The C headers that are generated: `python -m examples.reference.fmu_headers` writes them."""
 
 from __future__ import annotations
 

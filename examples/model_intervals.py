@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 import film_datasets as fd
+from examples.reference.validation_inputs import with_rate
 from film_datasets.evidence import evidence_rows
 from film_model.problem.law_of_scene import ELASTIC, YIELDING
 from film_model.problem.model_intervals import (
@@ -59,7 +60,7 @@ def predictions(rows: Iterable[Row]) -> list[Prediction]:
 
 def slow_predictions(rows: Iterable[Row]) -> list[Prediction]:
     """The same where a row has a rate law, computed without it."""
-    slow = ((row, row.with_rate(None)) for row in rows)
+    slow = ((row, with_rate(row, None)) for row in rows)
     return predictions(without for row, without in slow if without != row)
 
 

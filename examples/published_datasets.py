@@ -1,4 +1,4 @@
-"""Recompute the datasets of datasets/published: `python examples/published_datasets.py [FOLDER]`.
+"""Recompute the datasets of datasets/published: `python -m examples.published_datasets [FOLDER]`.
 
 paper_big_alabo, paper_stronge, paper_plate: the impacts of Big-Alabo, Cartmell & Harrison 2017. zener: the coefficient
 of restitution over Zener's inelasticity parameter, on plates of any thickness. restitution: over velocity, for the laws
@@ -16,7 +16,7 @@ import xarray as xr
 
 import film_datasets as fd
 import film_model as fm
-from film_datasets.evidence import evidence_from_csv
+from examples.reference.evidence_table import evidence_from_csv
 
 SCENES = Path(__file__).parent / "scenes"
 FOLDER = Path(__file__).parent.parent / "datasets" / "published"

@@ -25,13 +25,17 @@ from examples.model_intervals import coverage, coverage_from_others, coverage_of
 from examples.reference.validation_inputs import (
     COMPLETE,
     FAST,
+    JOHNSON_COOK,
     NEAR,
     ROUGH,
     Spread,
     elastic,
     flow_of,
+    hardening,
     inputs_of,
     own_numbers,
+    steels,
+    with_rate,
     within_input,
 )
 from film_datasets.evidence import evidence_rows
@@ -53,7 +57,7 @@ from film_model.studies.validation import (
     error_cell,
     predict,
 )
-from film_model.studies.validation_rows import JOHNSON_COOK, Row, steels
+from film_model.studies.validation_rows import Row
 
 DOCS = Path(__file__).parent.parent / "docs"
 CHOOSING = DOCS / "understand" / "choosing_a_law.md"
@@ -333,7 +337,7 @@ def rebounds(rows: Iterable[Row]) -> str:
 def biases(rows: Iterable[Row]) -> str:
     """Signed medians of the errors of law "auto" without and with hardening, percent."""
     plain = list(rows)
-    groups = plain, [row.hardening for row in plain]
+    groups = plain, [hardening(row) for row in plain]
     found = (Spread.of(predict(AUTO, row) for row in group).bias for group in groups)
     return " and ".join(f"{100 * bias:+.1f}" for bias in found)
 
@@ -381,8 +385,8 @@ def page() -> tuple[str, list[LawReport]]:
         between=sum(low < (p.row.hardness or 0.0) < high for p in found if p.row.quantity == REBOUND),
         inputs=input_rows(inputs),
         known=known, met=met,
-        last=LAST, last_rate=rebounds(last), last_slow=rebounds(row.with_rate(None) for row in last),
-        last_both=rebounds(row.hardening for row in last),
+        last=LAST, last_rate=rebounds(last), last_slow=rebounds(with_rate(row, None) for row in last),
+        last_both=rebounds(hardening(row) for row in last),
         last_inside=coverage_from_others(found, found, LAST).inside,
         soft_rebounds=biases(row for row in bounced if (row.hardness or 0.0) < SOFT),
         hard_rebounds=biases(row for row in bounced if (row.hardness or 0.0) >= SOFT),

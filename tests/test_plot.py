@@ -12,16 +12,19 @@ import pytest
 from cases import combinations
 
 import film_model as fm
+from film_model.laws.example_ball import STEEL_BALL
 from film_model.plot import history as plot
 from film_model.plot import picture_style, plot_laws
 from film_model.plot.style import COLOURS, NO_CONTACT, UNLOADING
-from film_model.studies.law_gallery import ENERGY, gallery_loops
+from film_model.studies.law_gallery import gallery_loops
 
 SCENES = Path(__file__).parents[1] / "examples" / "scenes"
 HEADS = {".png": b"\x89PNG\r\n", ".svg": b"<?xml", ".pdf": b"%PDF-"}
 
 pytest.importorskip("matplotlib")
 from matplotlib.colors import to_rgb  # noqa: E402
+
+ENERGY = 0.5 * STEEL_BALL.mass * STEEL_BALL.velocity**2  # of the impact of the gallery, J
 
 
 def _history(stem: str, title: str | None = None, **impactor: str) -> fm.History:

@@ -9,25 +9,31 @@ import pytest
 from test_examples import EXAMPLES
 
 import film_datasets as fd
+from examples.reference.evidence_table import evidence_from_csv
 from examples.reference.validation_inputs import (
     BY_NAME,
     COMPLETE,
     FAST,
+    JOHNSON_COOK,
+    LARGEST_INPUT_UNCERTAINTY,
     ROUGH,
     Spread,
     elastic,
     flow_of,
     inputs_of,
     own_numbers,
+    rough,
+    steels,
+    with_rate,
     within_input,
 )
-from film_datasets.evidence import evidence_from_csv, evidence_rows
+from film_datasets.evidence import evidence_rows
 from film_model.base.flow_stress import flow_of_hardness
 from film_model.base.hardness import VICKERS
 from film_model.cli.main import main
 from film_model.solve.simulate import simulate_quietly
 from film_model.studies.validation import AUTO, GROUPS, TESTED, compare, median, predict, scene_of
-from film_model.studies.validation_rows import JOHNSON_COOK, LARGEST_INPUT_UNCERTAINTY, material, steels
+from film_model.studies.validation_rows import material
 
 
 def nearest_rate(vickers):
@@ -101,7 +107,7 @@ def test_leeb_rebounds_are_those_of_the_laws(rows):
         "kogut-etsion": (0.852, 0.635, 0.713),
     }
     for law, expected in quoted.items():
-        assert [predict(law, row.with_rate(None)).value for row in leeb] == pytest.approx(expected, rel=0.012)
+        assert [predict(law, with_rate(row, None)).value for row in leeb] == pytest.approx(expected, rel=0.012)
 
 
 def test_dents_are_the_printed_diameters(rows):
@@ -119,25 +125,25 @@ def test_every_steel_has_the_rate_coefficient_of_the_nearest_of_johnson_and_cook
     assert len(hard) >= 80
     for row in hard:
         assert material(row.target)["strain_rate_coefficient"] == nearest_rate(row.hardness), row
-        assert row.with_rate(nearest_rate(row.hardness)) == row != row.with_rate(None)
+        assert with_rate(row, nearest_rate(row.hardness)) == row != with_rate(row, None)
 
 
 def test_conditions_are_complete_only_with_a_hardness_within_ten_per_cent(rows):
     for row in rows:
         if row.usable and row.hardness is not None:
-            assert row.input_uncertainty <= LARGEST_INPUT_UNCERTAINTY and not row.rough
+            assert row.input_uncertainty <= LARGEST_INPUT_UNCERTAINTY and not rough(row)
     ranges = [row for row in rows if row.source == "gbt_50344"]
     for row in ranges:
         low, high = map(float, re.findall(r"(\d+) to (\d+) MPa", row.note)[0])
         assert row.input_uncertainty == pytest.approx((high - low) / (high + low), abs=5e-4)
-        assert row.rough and not row.usable
+        assert rough(row) and not row.usable
     blocks = [row for row in rows if row.source == "huazheng_kh530" and row.hardness]
     for row in blocks:
         reading, width = map(float, re.findall(r"block of (\d+) ± (\d+) HLD", row.note)[0])
         slope = math.log(583 / 407) / math.log(770 / 640)  # of ln HV over ln HLD, from the two pairs of proceq_2016
         assert row.input_uncertainty == pytest.approx(slope * width / reading, rel=0.03)
         assert row.usable is (reading == 760.0)
-    assert sum(row.rough for row in rows) >= 30
+    assert sum(rough(row) for row in rows) >= 30
 
 
 def test_depths_that_follow_from_diameters_are_no_measurements(rows):

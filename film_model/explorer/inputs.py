@@ -76,11 +76,6 @@ class Input:
     present: float | None = None
 
     @property
-    def of_material(self) -> bool:
-        """Whether it belongs to a material."""
-        return ".material." in self.path
-
-    @property
     def optional(self) -> bool:
         """Whether it may be missing."""
         name = self.path.rpartition(".")[2]

@@ -62,13 +62,9 @@ def _spring_ratios(restitution: Array) -> Array:
     return ratio
 
 
-def hunt_crossley_restitution(strength: float) -> float:
-    """e of F = K δⁿ (1 + χ δ̇), strength λ = χ V_0 > 0: λ (1 + e) = ln((1 + λ)/(1 − λ e)) for any n."""
-    return _root(lambda e: _hunt_crossley(strength, e), 0.0, min(1.0, _ALMOST / strength))
-
-
 def hunt_crossley_strength(restitution: Any) -> Any:
-    """λ = χ V_0 for a restitution in (0, 1], or for an array of them: the exact inverse of the same equation."""
+    """λ = χ V_0 of F = K δⁿ (1 + χ δ̇) for a restitution e in (0, 1], or for an array of them: the root of λ (1 + e) =
+    ln((1 + λ)/(1 − λ e)), for any n."""
     if isinstance(restitution, np.ndarray):
         return _hunt_crossley_strengths(restitution)
     if restitution > 1.0 - 1e-9:

@@ -21,8 +21,6 @@ from film_model.solve.accuracy import raise_failure
 from film_model.solve.modal_motion import ModalMotion
 from film_model.targets import AbstractTarget
 
-Array = NDArray[np.float64]
-
 LONGEST = 3.0
 """Time limit over the sum of contact times on a fixed target and on the static stiffness, and the longest period."""
 

@@ -14,9 +14,6 @@ from film_model.scene import Contact, Effects, Scene, Sphere
 from film_model.solve.simulate import simulate_quietly
 from film_model.targets import AbstractTarget, HalfSpace
 
-ENERGY = 0.5 * STEEL_BALL.mass * STEEL_BALL.velocity**2
-"""Kinetic energy of the impact, J."""
-
 
 @dataclass(frozen=True)
 class Loop:

@@ -74,9 +74,9 @@ class Content:
         self._scenes = [self._scene(name, scene) for name, scene in scenes]
         free, fixed = _samples()
         texts = [*formulas.result_functions("Free", free), *formulas.result_functions("Fixed", fixed)]
-        texts += [formulas.change_function("change", fixed), *formulas.vibrating_functions(fixed)]
-        texts += [*formulas.hardening_functions(fixed), formulas.radius_function("contactRadius", fixed)]
-        texts += [formulas.gravity_function("gravityChange", fixed), formulas.mass_function("sphereMass")]
+        texts += [formulas.change_function(fixed), *formulas.vibrating_functions(fixed)]
+        texts += [*formulas.hardening_functions(fixed), formulas.radius_function(fixed)]
+        texts += [formulas.gravity_function(fixed), formulas.mass_function()]
         texts += formulas.hardness_functions()
         self._functions |= {text: text for text in texts}
 
@@ -144,11 +144,11 @@ class Content:
             beside = plate_inputs(cast("Plate", target))
             inputs += beside
             functions = formulas.plate_functions(scene, [*paths, *(entry.path for entry in beside)])
-            plate = {name: self._named(name, text) for name, text in functions.items()}
+            plate = {name: self._named(text) for name, text in functions.items()}
         reflected = None
         infinite = held is None and plate is None and target.structural and target.finite
         if infinite and hasattr(target, "reflection_change"):
-            reflected = self._named("reflections", formulas.reflections_function("reflections", scene, paths))
+            reflected = self._named(formulas.reflections_function(scene, paths))
         effects = scene.effects
         return {
             "name": name,
@@ -157,7 +157,7 @@ class Content:
             "free": target.free,
             "table": scene.to_table(),
             "inputs": [entry.to_dict() for entry in inputs],
-            "numbers": self._named("numbers", formulas.numbers_function("numbers", scene, paths)),
+            "numbers": self._named(formulas.numbers_function(scene, paths)),
             "reflections": reflected,
             "along": self._along(scene, paths),
             "laws": [self._law(found, scene) for found in laws_of(scene)],
@@ -184,7 +184,7 @@ class Content:
         """The functions of an impact with friction; None if the page has none for these bodies."""
         if "contact.friction" not in paths:
             return None
-        return {name: self._named(name, text) for name, text in formulas.friction_functions(scene, paths).items()}
+        return {name: self._named(text) for name, text in formulas.friction_functions(scene, paths).items()}
 
     def _plain(self, scene: Scene) -> list[int]:
         """The scene's law without its rule of unloading, which holds for no other choice of the law."""
@@ -197,19 +197,19 @@ class Content:
     def _law(self, found: Any, scene: Scene) -> int:
         """The place of a law in the list of laws."""
         curve = self._curves.setdefault(found.embedded, len(self._curves))
-        table = found.to_dict(self._named("problem", found.function("problem", scene)), curve)
-        table["example"] = self._named("example", found.example) if found.derived else None
+        table = found.to_dict(self._named(found.function(scene)), curve)
+        table["example"] = self._named(found.example) if found.derived else None
         if table["shape"] is not None:
-            shape, values = formulas.shape_functions("last", found.law, found.fixed)
-            named = {"function": self._named("lastShape", shape), "values": self._named("lastValues", values)}
+            shape, values = formulas.shape_functions(found.law, found.fixed)
+            named = {"function": self._named(shape), "values": self._named(values)}
             table["shape"] |= named
         return self._laws.setdefault(repr(table), (len(self._laws), table))[0]
 
-    def _named(self, name: str, text: str) -> str:
-        """The name of a function; functions with the same body are kept once."""
-        body = text.partition("(")[2]
+    def _named(self, text: str) -> str:
+        """The name of a function, with a number; functions with the same body are kept once."""
+        head, _, body = text.partition("(")
         if body not in self._functions:
-            self._functions[body] = text.replace(f"function {name}(", f"function {name}{len(self._functions)}(", 1)
+            self._functions[body] = f"{head}{len(self._functions)}({body}"
         return self._functions[body].removeprefix("function ").partition("(")[0]
 
 

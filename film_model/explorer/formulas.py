@@ -89,7 +89,7 @@ class Scaled(AbstractLaw):
         return self.damping * self.scaling.damping_factor(mass, velocity, length)
 
 
-def numbers_function(name: str, template: Scene, paths: Sequence[str]) -> str:
+def numbers_function(template: Scene, paths: Sequence[str]) -> str:
     """The numbers of a scene from its entries `x`, by path. `template` has the entries that are fixed."""
     recording = Recording()
     scene = _changed(template, recording.symbols("x", paths))
@@ -114,7 +114,7 @@ def numbers_function(name: str, template: Scene, paths: Sequence[str]) -> str:
         given = scene.effective_modulus, scene.effective_radius, scene.yield_strength, scene.effective_mass
         outputs["yield_velocity"] = yield_velocity(*given)
     known = {entry: math.nan if value is None else value for entry, value in outputs.items()}
-    return recording.function(name, "x", known)
+    return recording.function("numbers", "x", known)
 
 
 def _changed(template: Scene, x: Mapping[str, Any]) -> Scene:
@@ -137,16 +137,16 @@ def replace_effects(scene: Scene, effects: Effects) -> Scene:
     return scene_of_columns(scene, cast("Any", {"effects": effects}))
 
 
-def mass_function(name: str) -> str:
+def mass_function() -> str:
     """The mass of a sphere from its radius and density."""
     recording = Recording()
     material = Material("", "1 Pa", 0.0, "1 kg/m^3")
     object.__setattr__(material, "density", recording.symbol("density"))
     mass = sphere_mass(None, cast("Any", recording.symbol("radius")), material)
-    return recording.function(name, "radius, density", {"mass": mass})
+    return recording.function("sphereMass", "radius, density", {"mass": mass})
 
 
-def problem_function(name: str, template: Scene, law: AbstractLaw, fixed: frozenset[str], live: Sequence[str]) -> str:
+def problem_function(template: Scene, law: AbstractLaw, fixed: frozenset[str], live: Sequence[str]) -> str:
     """Scales and starting values under a law, for a target impedance and a load.
 
     fixed: values that the law does not take from `n`. live: its own parameters that it takes from there.
@@ -163,13 +163,13 @@ def problem_function(name: str, template: Scene, law: AbstractLaw, fixed: frozen
     own: Any = getattr(unknown, "law", unknown)  # the law below a rule of unloading
     outputs |= {entry: getattr(own, entry, 0.0) for entry in _OF_LAW}
     outputs["stop_velocity"] = replace(problem, free=True).stop_velocity  # -0 with the drift 0 of other targets
-    return recording.function(name, "n, impedance, load", outputs)
+    return recording.function("problem", "n, impedance, load", outputs)
 
 
-def example_function(name: str, law: type[AbstractLaw]) -> str:
+def example_function(law: type[AbstractLaw]) -> str:
     """The required parameters that a law derives from the values of a scene."""
     recording = Recording()
-    return recording.function(name, "n", {f"own_{key}": value for key, value in _example(recording, law).items()})
+    return recording.function("example", "n", {f"own_{key}": value for key, value in _example(recording, law).items()})
 
 
 def own_entry(name: str) -> str:
@@ -177,16 +177,16 @@ def own_entry(name: str) -> str:
     return f'n["own_{name}"]'
 
 
-def shape_functions(name: str, law: AbstractLaw, fixed: frozenset[str]) -> tuple[str, str]:
+def shape_functions(law: AbstractLaw, fixed: frozenset[str]) -> tuple[str, str]:
     """Of a law with a shape: the shape and the end of the last stage; the functions of that stage that depend on the
     shape, at the indentation w."""
     recording = Recording()
     unknown = law_symbols(recording, law, fixed)
     last = unknown.stages()[-1]
-    shape = recording.function(f"{name}Shape", "n", {"shape": unknown.shape, "end": last.end})
+    shape = recording.function("lastShape", "n", {"shape": unknown.shape, "end": last.end})
     functions: Any = functions_of(last)
     values = {each: functions[each](recording.symbol("w")) for each in varying_of(law)}
-    return shape, recording.function(f"{name}Values", "n, w", values)
+    return shape, recording.function("lastValues", "n, w", values)
 
 
 def varying_of(law: AbstractLaw) -> tuple[str, ...]:
@@ -302,11 +302,11 @@ def vibrating_functions(template: Scene) -> list[str]:
     return [*functions, r.function("radiated", "p, a", {"energy": energy})]
 
 
-def change_function(name: str, template: Scene) -> str:
+def change_function(template: Scene) -> str:
     """The change of the summary by neglecting an effect: `p`, `a` with it, `q`, `b` without."""
     r = Recording()
     size = change(_tried(r, "p", "a", template), _tried(r, "q", "b", template))
-    return r.function(name, "p, a, q, b", {"change": size})
+    return r.function("change", "p, a, q, b", {"change": size})
 
 
 def hardening_functions(template: Scene) -> list[str]:
@@ -318,11 +318,11 @@ def hardening_functions(template: Scene) -> list[str]:
     return [factor, r.function("absorbed", "p, a", {"share": absorbed(_tried(r, "p", "a", template))})]
 
 
-def gravity_function(name: str, template: Scene) -> str:
+def gravity_function(template: Scene) -> str:
     """The change of the summary by the weight: `p`, `a` with it, `q`, `b` without."""
     r = Recording()
     light, pressed = _tried(r, "q", "b", template), _tried(r, "p", "a", template)
-    return r.function(name, "p, a, q, b, n", {"change": gravity.size_of(light, pressed)[0]})
+    return r.function("gravityChange", "p, a, q, b, n", {"change": gravity.size_of(light, pressed)[0]})
 
 
 def plate_functions(template: Scene, paths: Sequence[str]) -> dict[str, str]:
@@ -339,7 +339,7 @@ def plate_functions(template: Scene, paths: Sequence[str]) -> dict[str, str]:
     outputs |= dict(zip(("thickness", "softness", "bulge"), target.shear, strict=True))
     outputs |= {"part": target.first_mode_share * target.whole_mass}
     found = {"numbers": r.function("numbers", "x", outputs)}
-    found["reflections"] = reflections_function("reflections", template, paths)
+    found["reflections"] = reflections_function(template, paths)
     r = Recording()
     static = _tried(r, "p", "a", template)
     object.__setattr__(static, "given", (math.inf, 0.0, r.symbol("compliance")))
@@ -357,7 +357,7 @@ def _target(recording: Recording, template: Scene, paths: Sequence[str]) -> Abst
     return _changed(template, columns).target
 
 
-def reflections_function(name: str, template: Scene, paths: Sequence[str]) -> str:
+def reflections_function(template: Scene, paths: Sequence[str]) -> str:
     """The change by waves reflected from the edges of a plate: `p`, `a` on the infinite plate."""
     r = Recording()
     target = _target(r, template, paths)
@@ -365,7 +365,7 @@ def reflections_function(name: str, template: Scene, paths: Sequence[str]) -> st
     pulse = Pulse.of(p.approach, p.gamma, core)
     delay = pulse.back / (target.return_time / p.scales.time)
     size = cast("Any", target).reflection_change(pulse.motion, pulse.restitution, delay)
-    return r.function(name, "x, p, a", {"change": size})
+    return r.function("reflections", "x, p, a", {"change": size})
 
 
 def friction_functions(template: Scene, paths: Sequence[str]) -> dict[str, str]:
@@ -393,8 +393,8 @@ def _slides(template: Scene, paths: Sequence[str]) -> tuple[Recording, Scene, Sl
     return r, scene, cast("Sliding", sliding_of(scene))
 
 
-def radius_function(name: str, template: Scene) -> str:
+def radius_function(template: Scene) -> str:
     """The contact radius in loading, at a force `F` and an indentation `d`."""
     r = Recording()
     radius, _ = contact_radius(_problem(r, "p", template).impacts, r.symbol("F"), r.symbol("d"))
-    return r.function(name, "p, n, F, d", {"radius": radius})
+    return r.function("contactRadius", "p, n, F, d", {"radius": radius})

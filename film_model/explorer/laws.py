@@ -100,14 +100,14 @@ class PageLaw:
         names = self._derived if self.derived else type(inner).parameters
         return {name: getattr(inner, name) for name in names if getattr(inner, name, None) is not None}
 
-    def function(self, name: str, template: Scene) -> str:
+    def function(self, template: Scene) -> str:
         """The JavaScript of its scales and starting values."""
-        return problem_function(name, template, self.law, self.fixed, self.live)
+        return problem_function(template, self.law, self.fixed, self.live)
 
     @property
     def example(self) -> str:
         """The JavaScript of its required parameters from the scene."""
-        return example_function("example", LAWS[self.name]) if self.derived else ""
+        return example_function(LAWS[self.name]) if self.derived else ""
 
     @property
     def embedded(self) -> bytes:

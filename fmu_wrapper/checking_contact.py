@@ -14,8 +14,7 @@ from numpy.typing import NDArray
 from film_model.core import native
 from fmu_wrapper.findings import STEPS_TOLERANCE, Finding
 from fmu_wrapper.instance import Fmu, Slave, started
-from fmu_wrapper.loading_curve import loading_force
-from fmu_wrapper.resource import Data
+from fmu_wrapper.resource import Data, loading_force
 
 POINTS = 100
 """Communication points in each leg of the path."""

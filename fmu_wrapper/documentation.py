@@ -25,8 +25,7 @@ from fmu_wrapper.layout import DAMPING
 from fmu_wrapper.model_description import Experiment
 from fmu_wrapper.powers import damping_power
 from fmu_wrapper.resource import Data, has, has_exchange, mode_frequencies
-from fmu_wrapper.sensor_variables import of_sensors
-from fmu_wrapper.variables import KINDS, VARIABLES, reference, settable
+from fmu_wrapper.variables import KINDS, VARIABLES, of_sensors, reference, settable
 
 TEXTS = tomllib.loads(Path(__file__).with_suffix(".toml").read_text("utf-8"))
 

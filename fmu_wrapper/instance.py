@@ -18,8 +18,7 @@ from film_model.scene import Scene
 from film_model.scene.toml import toml_table
 from fmu_wrapper import platforms, resource
 from fmu_wrapper.damage import check_loads, described, sound
-from fmu_wrapper.sensor_variables import of_sensors
-from fmu_wrapper.variables import VARIABLES, Variable
+from fmu_wrapper.variables import VARIABLES, Variable, of_sensors
 
 Row = dict[str, float]
 

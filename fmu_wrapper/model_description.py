@@ -15,8 +15,19 @@ from film_model.scene import Scene
 from film_model.version import __version__
 from fmu_wrapper.nominals import nominals
 from fmu_wrapper.resource import Data, has, has_exchange
-from fmu_wrapper.sensor_variables import of_sensors
-from fmu_wrapper.variables import ITEMS, KINDS, LEFT, STATES, VARIABLES, Kind, Real, Variable, Whole, reference
+from fmu_wrapper.variables import (
+    ITEMS,
+    KINDS,
+    LEFT,
+    STATES,
+    VARIABLES,
+    Kind,
+    Real,
+    Variable,
+    Whole,
+    of_sensors,
+    reference,
+)
 
 FmiVersion = Literal[2, 3]
 Outputs = Literal["all", "real"]

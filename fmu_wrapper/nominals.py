@@ -5,8 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 
-from fmu_wrapper.loading_curve import loading_force
-from fmu_wrapper.resource import Data
+from fmu_wrapper.resource import Data, loading_force
 from fmu_wrapper.variables import KINDS, RIGID, STATES, VARIABLES, Real, Variable, reference, settable
 
 

@@ -8,6 +8,7 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
+from numpy.polynomial.chebyshev import chebval
 from numpy.typing import NDArray
 
 from film_model.base.errors import SimulationError
@@ -281,6 +282,24 @@ def vibrations_of(data: Data) -> Tables:
     """The vibrations of the target that an FMU contains, which end its data."""
     frequency, share, ratio = np.frombuffer(data.tail, np.float64)[-3 * data.modes.count :].reshape(3, -1)
     return Tables(frequency, share, ratio, data.modes.longest)
+
+
+def loading_force(data: Data, indentation: float, rate: float) -> float:
+    """Force of the law's loading curve with damping, N, at an indentation ≥ 0 m, without the march."""
+    xi, curve = indentation / data.length_scale, data.curve
+    stage = sum(curve.stage[k].end < xi for k in range(curve.stages - 1))
+    force = native.stage_law(curve, stage, xi)[0] * data.force_scale
+    return force + data.damping * _damping(curve, xi) * rate if curve.stage[0].damped else force
+
+
+def _damping(curve: native.Curve, xi: float) -> float:
+    """The damping coefficient of a damped law, divided by its factor."""
+    piece = next(piece for piece in curve.piece if xi <= piece.end)
+    c: native.Function = piece.damping
+    x = (xi - c.origin) * c.per_span
+    if c.form == native.POWER:
+        return float(c.constant + c.slope * x + c.coefficient * x**c.exponent)
+    return float(chebval(2.0 * (math.sqrt(x) if c.form == native.ROOT_SERIES else x) - 1.0, c.series[: c.terms]))
 
 
 def finished(data: Data, token: str) -> bytes:

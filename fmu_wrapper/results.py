@@ -17,15 +17,14 @@ from film_datasets.scene_constants import constants_of
 from film_datasets.schema import CONSTANTS, HISTORY, TABLE, content_sha256
 from film_model.base.errors import SceneError
 from film_model.core import native
-from film_model.core.comparison import dents
+from film_model.core.solving import dents
 from film_model.scene import Scene
 from film_model.solve.history import MOTION, SUMMARY
 from film_model.solve.sensed import MOTION as SENSED
 from fmu_wrapper import resource
 from fmu_wrapper.instance import Fmu, Row
-from fmu_wrapper.sensor_variables import of_sensors
 from fmu_wrapper.stepping import ALONG
-from fmu_wrapper.variables import STRESSES, reference
+from fmu_wrapper.variables import STRESSES, of_sensors, reference
 
 
 def dataset(fmu: Fmu, rows: list[Row], events: list[Row], interface: str, starts: Mapping[str, float]) -> xr.Dataset:

@@ -15,8 +15,7 @@ from film_model.core import native
 from film_model.solve.history import MOTION
 from fmu_wrapper import resource
 from fmu_wrapper.instance import Fmu, Row, Slave, started
-from fmu_wrapper.sensor_variables import of_sensors
-from fmu_wrapper.variables import EVENT_TIMES, STRESSES
+from fmu_wrapper.variables import EVENT_TIMES, STRESSES, of_sensors
 
 _EVENT_OUTPUTS = (*EVENT_TIMES, "event_count", "last_event", "time_of_last_event", "stage", "phase", "contact_count")
 _OTHER_OUTPUTS = ("maximum_force", "maximum_indentation", "largest_force", "support_velocity", "validity", *STRESSES)

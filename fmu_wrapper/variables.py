@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import csv
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Literal
 
 from film_model.solve.history import SUMMARY
+from film_model.solve.sensed import MOTION
+from film_model.targets.sensors import sensor_words
 
 Kind = Literal["impact", "contact"]
 KINDS: tuple[Kind, ...] = ("impact", "contact")
@@ -127,3 +129,17 @@ def settable() -> int:
     """Number of leading variables that include all parameters and inputs."""
     causes = [set(variable.causality.values()) & {"parameter", "input"} for variable in VARIABLES]
     return max(k for k, cause in enumerate(causes) if cause) + 1
+
+
+def of_sensors(names: Iterable[str]) -> tuple[Variable, ...]:
+    """The motion of the sensors that an FMU has: sensor_tip_displacement, …; the value references follow those of
+    `VARIABLES`."""
+    output: dict[Kind, str] = {"impact": "output"}
+    return tuple(
+        Variable(
+            *(f"sensor_{word}_{what}", Real, of, output, "continuous", f"{what} of the sensor {word}"),
+            depends={"impact": ("support_velocity",) if what == "velocity" else ()},
+        )
+        for word in sensor_words(names)
+        for what, (of, _) in MOTION.items()
+    )

@@ -8,7 +8,7 @@ from cases import combinations, scene, zener_scene
 
 import film_model as fm
 from film_model.core import native
-from film_model.core.comparison import compare
+from film_model.core.solving import compare
 from film_model.effects.choose import problem_of
 from film_model.problem.summary import difference
 

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from film_model.base.arrays import Array, Index
-from film_model.core import comparison, families, native
+from film_model.core import families, native, solving
 from film_model.laws.law import AbstractLaw
 from film_model.problem.curve import Curve
 from film_model.problem.families import Page, page_of
@@ -101,8 +101,8 @@ class OwnCurves(NamedTuple):
     def dents(self, curve: Curve, depth: Any, end: Any) -> Any:
         """What contacts leave that turned at `depth` and ended at `end` [δ_s], laws that pull. curve: of the first."""
         if self.varied is None:
-            return comparison.dents(curve.native, depth, end)
-        return comparison.dents(self.varied.curve, depth, end, self.varied.places, self.varied.values)
+            return solving.dents(curve.native, depth, end)
+        return solving.dents(self.varied.curve, depth, end, self.varied.places, self.varied.values)
 
     @property
     def fit_error(self) -> float:

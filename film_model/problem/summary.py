@@ -13,8 +13,8 @@ from typing import Any
 from film_model.base.arrays import all_of, any_of, either, ratio, unwarned
 from film_model.core import native
 from film_model.core.columns import Columns
-from film_model.core.comparison import compare
-from film_model.core.comparison import rounding as rounding_of
+from film_model.core.solving import compare
+from film_model.core.solving import rounding as rounding_of
 from film_model.problem.problem import Problem
 from film_model.problem.stresses import stresses_of
 

@@ -17,9 +17,8 @@ if TYPE_CHECKING:
     from film_datasets.conversion import to_dataset
     from film_datasets.csv_measurement import from_csv
     from film_datasets.dataset_plots import plot
-    from film_datasets.file_conversion import convert
+    from film_datasets.files import convert, read, write
     from film_datasets.files import open_dataset as open
-    from film_datasets.files import read, write
     from film_datasets.history_dataset import history_of, lines_of
     from film_datasets.identification import (
         Identification,
@@ -83,8 +82,7 @@ _MODULES = {
     "conversion": ("to_dataset",),
     "csv_measurement": ("from_csv",),
     "dataset_plots": ("plot",),
-    "file_conversion": ("convert",),
-    "files": ("open_dataset", "read", "write"),
+    "files": ("convert", "open_dataset", "read", "write"),
     "history_dataset": ("history_of", "lines_of"),
     "identification": ("Identification", "compare_laws", "identify", "log_likelihood"),
     "identification.contact_force": ("IdentifiedForce", "identify_force"),

@@ -12,12 +12,13 @@ from typing import TYPE_CHECKING, Any, Literal, cast
 
 import numpy as np
 
+from film_datasets.csv_measurement import from_csv
 from film_datasets.history_dataset import SAMPLES, history_contents
 from film_datasets.quantities import in_numbers
 from film_datasets.schema import ADDED, HISTORY, content_sha256, holds_text, kind_of, variables_of
 from film_datasets.schema.validation import damage
 from film_datasets.seal import check_seal, seal_store, sealed
-from film_datasets.tables import TABLES, check_parquet, write_table
+from film_datasets.tables import TABLES, check_parquet, left_out, write_table
 from film_model.base.files import check_folder, check_regular, check_replaceable, flush, written_whole
 from film_model.base.hdf5 import check_hdf5
 from film_model.solve.history import History
@@ -185,6 +186,27 @@ def open_dataset(path: str | os.PathLike[str]) -> xr.Dataset:
         ds.close()
         raise OSError(f"{source}: is damaged ({error})") from error
     return ds
+
+
+def convert(source: str | os.PathLike[str], target: str | os.PathLike[str], overwrite: bool = False) -> list[str]:
+    """Write the dataset in a netCDF file or Zarr folder, or the measurement in a CSV file, in the format of `target`.
+
+    target: FILE.nc, .zarr, .csv, .parquet or .mat. Returns what the new file lacks. Raises what `write` raises.
+
+    >>> ds = fd.sweep(scene, {"impactor.velocity": ["1 m/s", "2 m/s"]}, output="two.nc")
+    >>> fd.convert("two.nc", "two.csv")
+    []
+    """
+    given, wanted = Path(source), Path(target)
+    check_file(wanted, overwrite)
+    if given.suffix == ".csv":
+        write(from_csv(given), wanted, overwrite)
+        return []
+    with open_dataset(given) as ds:
+        if ds.nbytes > CHECKED_AT_ONCE and (wrong := damage(ds)):
+            raise OSError(f"{given}: is damaged ({'; '.join(wrong)})")
+        write(ds, wanted, overwrite)
+        return [] if wanted.suffix in (SUFFIX, ZARR) else left_out(ds)
 
 
 def _engine_of(source: Path) -> Literal["zarr", "netcdf4"]:

@@ -121,7 +121,7 @@ def _normal(choice: Choice, solver: Solver) -> History:
     values, parts = way(scene, choice, remarks)
     summary = {name: value if value == value else None for name, value in values.items()}  # None: did not happen
     remarks += energy_warning(problem, summary)
-    parts = {"lines": np.empty(0, native.LINE_DTYPE), **parts}
+    parts.setdefault("lines", np.empty(0, native.LINE_DTYPE))
     return History(scene=scene, choice=choice, summary=summary, remarks=tuple(remarks), **parts)
 
 

@@ -68,40 +68,62 @@ static void depth_in_piece(const batch_job *j, int32_t p, const fixed_piece *own
                            double *restrict depth) {
     const film_piece *piece = &j->curve->piece[p];
     double length = piece->end - own->begin, at_end = j->piece_force[p], line = 2.0 * (at_end - own->whole / length) / length;
-    double force[LANES], f[LANES], w[LANES], moving[LANES], low[LANES], high[LANES], slope[LANES], step[LANES];
+    double before[LANES], at[LANES], f[LANES], w[LANES], slope[LANES], missing[LANES], next[LANES];
+    bracket b;
     EACH(l) {
         double rest = own->before + own->whole - work[l], square = at_end * at_end - 2.0 * line * rest;
         depth[l] = piece->end - 2.0 * rest / (at_end + sqrt(square > 0.0 ? square : 0.0));
         slope[l] = line;
-        moving[l] = 1.0;
-        low[l] = own->begin;
-        high[l] = piece->end;
+        b.moving[l] = 1.0;
+        b.low[l] = own->begin;
+        b.high[l] = piece->end;
     }
-    for (int i = 0; i < DEPTH_STEPS && any(moving); i++) {
+    for (int i = 0; i < DEPTH_STEPS && any(b.moving); i++) {
         piece_law_lanes(piece, depth, f, w);
         EACH(l) {
-            double missing = work[l] - w[l], at = depth[l], newton = missing / f[l];
-            if (i > 0) slope[l] = moving[l] > 0.0 ? (f[l] - force[l]) / step[l] : slope[l];
-            low[l] = missing >= 0.0 ? at : low[l];
-            high[l] = missing >= 0.0 ? high[l] : at;
-            double next = at + newton * (1.0 - 0.5 * slope[l] * newton / f[l]), halved = 0.5 * (low[l] + high[l]);
-            double near = next >= low[l] ? 3e-7 : 4e-16;
-            near = next <= high[l] ? near : 4e-16;
-            next = near > 1e-12 ? next : halved;
-            depth[l] = moving[l] > 0.0 ? next : at;
-            step[l] = next - at;
-            force[l] = f[l];
-            moving[l] = fabs(next - at) <= near * at ? 0.0 : moving[l];
+            missing[l] = work[l] - w[l];
+            double newton = missing[l] / f[l];
+            if (i > 0) slope[l] = b.moving[l] > 0.0 ? (f[l] - before[l]) / (depth[l] - at[l]) : slope[l];
+            next[l] = depth[l] + newton * (1.0 - 0.5 * slope[l] * newton / f[l]);
+            at[l] = depth[l];
+            before[l] = f[l];
         }
+        move_in_bracket(&b, missing, next, 3e-7, depth);
     }
 }
 
-/* Impacts on a fixed target: the turn, and what the way out gives. */
+/* Impacts on a fixed target: the turn, and what the way out gives. turned, ended: times; given: work given back. Of impacts in
+ * series with a spring also energy left where the stage that turns them began, and slope at the turn; bad > 0: left to
+ * film_marched, because force and spring may snap through. */
 typedef struct {
-    double xi[LANES], force[LANES], work[LANES], turned[LANES]; /* turned: time of the turn */
-    double recovery[LANES], given[LANES], ended[LANES];         /* given: work given back */
-    double stored, peak;                                        /* work and largest force of the stages before */
+    double xi[LANES], force[LANES], work[LANES], turned[LANES];
+    double recovery[LANES], exponent[LANES], given[LANES], ended[LANES];
+    double spring[LANES], left[LANES], slope[LANES], bad[LANES];
+    double stored, peak; /* work and largest force of the stages before */
 } fixed_block;
+
+/* The summaries of a block; begin: where the piece, or the stage, that turned it begins. */
+static void put_turned(const batch_job *j, int32_t stage, double begin, const int64_t *index, int count, const fixed_block *b,
+                       const double *restrict stopped, const double *restrict last) {
+    for (int l = 0; l < count; l++) {
+        film_summary *s = &j->summary[index[l]];
+        s->maximum_force = b->force[l] > b->peak ? b->force[l] : b->peak;
+        s->maximum_indentation = b->xi[l];
+        s->time_of_maximum_indentation = b->turned[l];
+        s->time_impactor_stops = stopped[l];
+        s->contact_duration = b->ended[l];
+        s->permanent_indentation = b->xi[l] - b->recovery[l];
+        s->final_velocity = last[l];
+        s->shift = 0.0;
+        s->work = b->stored + b->work[l] - b->given[l];
+        s->stage = stage;
+        s->lines = j->rule.count * (stage + 1);
+        int whole = b->recovery[l] > SHORTEST_RECOVERY * b->xi[l] && b->ended[l] < INFINITY && last[l] > -INFINITY;
+        whole = whole && b->xi[l] - begin > SHORT_LEG * b->xi[l] && !(b->bad[l] > 0.0);
+        if (whole) j->status[index[l]] = FILM_EVENT;
+        else leave_alone(j, index[l]);
+    }
+}
 
 /* Through the pieces before, then to the turn in piece p of `stage`; in a stage that differs between impacts, from its
  * beginning. */
@@ -145,7 +167,7 @@ static void load_fixed(batch_job *j, int32_t stage, int32_t p, const double *res
 }
 
 /* Out along the branches that lead back from the turn, or along a reversible law, which takes as long as the way in. */
-static void unload_fixed(const batch_job *j, int32_t stage, fixed_block *b, double *restrict exponent) {
+static void unload_fixed(const batch_job *j, int32_t stage, fixed_block *b) {
     double rest[LANES];
     if (j->curve->stage[stage].unloading == FILM_RETRACE) {
         EACH(l) {
@@ -155,16 +177,16 @@ static void unload_fixed(const batch_job *j, int32_t stage, fixed_block *b, doub
         }
         return;
     }
-    open_lanes(j, stage, b->xi, b->force, b->recovery, exponent);
+    open_lanes(j, stage, b->xi, b->force, b->recovery, b->exponent);
     if (j->exponent[stage] == j->exponent[stage]) {
         double same = j->exponent[stage] == 1.5 ? HERTZ_REST : rest_time(j->exponent[stage]);
         EACH(l) rest[l] = same;
     } else {
-        EACH(l) rest[l] = rest_time(exponent[l]);
+        EACH(l) rest[l] = rest_time(b->exponent[l]);
     }
     EACH(l) {
         b->ended[l] = b->turned[l] + rest[l] * sqrt(b->recovery[l] / b->force[l]);
-        b->given[l] = b->force[l] * b->recovery[l] / (exponent[l] + 1.0);
+        b->given[l] = b->force[l] * b->recovery[l] / (b->exponent[l] + 1.0);
     }
 }
 
@@ -173,18 +195,17 @@ static const double SMALL_SHARE = 1e-4; /* of the work, at which four powers of 
 /* When impactors stop on their branch, on which the share z = 1 - u^(q + 1) of the work is given back at the part u of the
  * recovery: at the speed sqrt(2 z given), NAN beyond the end. The integral of 1/velocity, by Gauss's rule; where z is small, and
  * 1 - u rounding, that of 1/force over the velocity, by powers of z. */
-static void stop_fixed(const batch_job *j, const double *restrict exponent, const double *restrict stop, fixed_block *b,
-                       double *restrict stopped) {
+static void stop_fixed(const batch_job *j, const double *restrict stop, const fixed_block *b, double *restrict stopped) {
     double share[LANES], kept[LANES], at[LANES], e[LANES], power[LANES], length[LANES], sum[LANES] = {0.0};
     EACH(l) {
         share[l] = 0.5 * stop[l] * stop[l] / b->given[l];
         kept[l] = share[l] < 1.0 ? 1.0 - share[l] : 0.0;
-        e[l] = 1.0 / (exponent[l] + 1.0);
+        e[l] = 1.0 / (b->exponent[l] + 1.0);
     }
     power_lanes(kept, e, at);
     EACH(l) {
         length[l] = 1.0 - at[l];
-        e[l] = exponent[l] + 1.0;
+        e[l] = b->exponent[l] + 1.0;
     }
     for (int32_t i = 0; i < j->rule.count; i++) {
         double rest = j->rule.rest[i], weight = j->rule.weight[i];
@@ -196,7 +217,7 @@ static void stop_fixed(const batch_job *j, const double *restrict exponent, cons
         }
     }
     EACH(l) {
-        double q = exponent[l] / e[l], z = share[l];
+        double q = b->exponent[l] / e[l], z = share[l];
         double early = -stop[l] / b->force[l] * (1.0 + z * q * (1.0 / 3.0 + z * (q + 1.0) * (0.1 + z * (q + 2.0) * (1.0 / 42.0))));
         double time = z < SMALL_SHARE ? early : b->recovery[l] * length[l] * sum[l];
         stopped[l] = kept[l] > 0.0 ? b->turned[l] + time : NAN;
@@ -206,35 +227,19 @@ static void stop_fixed(const batch_job *j, const double *restrict exponent, cons
 /* A block of impacts that turn in piece p of `stage`, from first touch to the end of contact. */
 static void fixed_lanes(batch_job *j, int32_t stage, int32_t p, const int64_t *index, int count) {
     fixed_block b;
-    double nu[LANES], last[LANES], exponent[LANES], stop[LANES], stopped[LANES], begin = j->curve->stage[stage].begin;
+    double nu[LANES], last[LANES], stop[LANES], stopped[LANES];
     EACH(l) {
         const film_start *start = &j->start[index[l < count ? l : 0]]; /* an incomplete block is filled up with its first impact */
         nu[l] = start->nu;
         stop[l] = start->stop_velocity < 0.0 ? start->stop_velocity : 0.0;
+        b.bad[l] = 0.0;
     }
     load_fixed(j, stage, p, nu, &b);
-    unload_fixed(j, stage, &b, exponent);
+    unload_fixed(j, stage, &b);
     EACH(l) stopped[l] = b.turned[l];
-    if (any(stop)) stop_fixed(j, exponent, stop, &b, stopped);
+    if (any(stop)) stop_fixed(j, stop, &b, stopped);
     EACH(l) last[l] = -sqrt(2.0 * b.given[l]);
-    for (int l = 0; l < count; l++) {
-        film_summary *s = &j->summary[index[l]];
-        s->maximum_force = b.force[l] > b.peak ? b.force[l] : b.peak;
-        s->maximum_indentation = b.xi[l];
-        s->time_of_maximum_indentation = b.turned[l];
-        s->time_impactor_stops = stopped[l];
-        s->contact_duration = b.ended[l];
-        s->permanent_indentation = b.xi[l] - b.recovery[l];
-        s->final_velocity = last[l];
-        s->shift = 0.0;
-        s->work = b.stored + b.work[l] - b.given[l];
-        s->stage = stage;
-        s->lines = j->rule.count * (stage + 1);
-        int whole = b.recovery[l] > SHORTEST_RECOVERY * b.xi[l] && b.ended[l] < INFINITY && last[l] > -INFINITY;
-        whole = whole && b.xi[l] - begin > SHORT_LEG * b.xi[l];
-        if (whole) j->status[index[l]] = FILM_EVENT;
-        else leave_alone(j, index[l]);
-    }
+    put_turned(j, stage, j->curve->stage[stage].begin, index, count, &b, stopped, last);
 }
 
 #endif

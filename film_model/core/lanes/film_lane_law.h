@@ -274,12 +274,34 @@ static void power_depth_lanes(const film_function *g, const double *restrict wor
     }
 }
 
+/* Depths that are sought between low and high, in lanes that are still moving. */
+typedef struct {
+    double low[LANES], high[LANES], moving[LANES];
+} bracket;
+
+/* To the depths `next`, or to the middle of the bracket if that is left: low where work is `missing`. A lane rests after a step
+ * below `close`, as a part of its depth, or below rounding if its bracket was halved. */
+INLINED void move_in_bracket(bracket *b, const double *restrict missing, const double *restrict next, double close,
+                             double *restrict depth) {
+    EACH(l) {
+        double at = depth[l];
+        b->low[l] = missing[l] >= 0.0 ? at : b->low[l];
+        b->high[l] = missing[l] >= 0.0 ? b->high[l] : at;
+        double near = next[l] >= b->low[l] ? close : 4e-16, halved = 0.5 * (b->low[l] + b->high[l]);
+        near = next[l] <= b->high[l] ? near : 4e-16;
+        double to = near > 1e-12 ? next[l] : halved;
+        depth[l] = b->moving[l] > 0.0 ? to : at;
+        b->moving[l] = fabs(to - at) <= near * at ? 0.0 : b->moving[l];
+    }
+}
+
 /* The depth at which the work of a stage is `work` > 0, which must not exceed that of whole_lanes. Where the force is no rising
  * power, by Newton's method in a bracket. */
 static void depth_lanes(const batch_job *j, int32_t stage, const double *restrict work, double *restrict depth) {
     const film_piece *piece = &j->curve->piece[j->curve->stage[stage].first];
     double begin = j->curve->stage[stage].begin, end = reach_of(j, stage), f[LANES], w[LANES], whole[LANES];
-    double moving[LANES], low[LANES], high[LANES];
+    double missing[LANES], next[LANES];
+    bracket b;
     if (stage != j->shaped && force_rises(j->curve, stage)) {
         EACH(l) w[l] = work[l] + piece->work_at_begin;
         power_depth_lanes(&piece->force, w, depth);
@@ -289,24 +311,17 @@ static void depth_lanes(const batch_job *j, int32_t stage, const double *restric
     whole_lanes(j, stage, whole);
     EACH(l) {
         depth[l] = begin + (end - begin) * sqrt(work[l] / whole[l]); /* as if work grew as a square */
-        moving[l] = 1.0;
-        low[l] = begin;
-        high[l] = end;
+        b.moving[l] = 1.0;
+        b.low[l] = begin;
+        b.high[l] = end;
     }
-    for (int i = 0; i < DEPTH_STEPS; i++) {
+    for (int i = 0; i < DEPTH_STEPS && any(b.moving); i++) {
         law_lanes(j, stage, depth, f, w);
         EACH(l) {
-            double missing = work[l] - w[l], at = depth[l];
-            low[l] = missing >= 0.0 ? at : low[l];
-            high[l] = missing >= 0.0 ? high[l] : at;
-            double next = at + missing / f[l], halved = 0.5 * (low[l] + high[l]);
-            double near = next >= low[l] ? 1e-9 : 4e-16;
-            near = next <= high[l] ? near : 4e-16;
-            next = near > 1e-12 ? next : halved;
-            depth[l] = moving[l] > 0.0 ? next : at;
-            moving[l] = fabs(next - at) <= near * at ? 0.0 : moving[l];
+            missing[l] = work[l] - w[l];
+            next[l] = depth[l] + missing[l] / f[l];
         }
-        if (!any(moving)) break;
+        move_in_bracket(&b, missing, next, 1e-9, depth);
     }
 }
 

@@ -6,14 +6,6 @@
 
 #include "lanes/film_lane_fixed.h"
 
-/* Impacts in series. work: of the contact since the stage that turns them began; left: energy that was left there; turned,
- * ended: times; bad > 0: left to film_marched, because force and spring may snap through. */
-typedef struct {
-    double spring[LANES], left[LANES], turned[LANES], ended[LANES], bad[LANES];
-    double xi[LANES], force[LANES], work[LANES], slope[LANES], recovery[LANES], exponent[LANES];
-    double stored, peak; /* work and largest force of the stages before */
-} spring_block;
-
 /* Force, work and slope in piece p of a stage; in a stage that differs between impacts each lane on its own piece. */
 static void law_and_slope_lanes(const batch_job *j, int32_t stage, int32_t p, const double *restrict xi, double *restrict f,
                                 double *restrict w, double *restrict slope) {
@@ -38,7 +30,7 @@ static void law_and_slope_lanes(const batch_job *j, int32_t stage, int32_t p, co
 
 /* Across a whole piece, by Gauss's rule on the way to where force and slope at its end would stop the motion, beyond it, so
  * that no root lies near the end. */
-static void cross_in_series(const batch_job *j, int32_t stage, int32_t p, spring_block *b) {
+static void cross_in_series(const batch_job *j, int32_t stage, int32_t p, fixed_block *b) {
     fixed_piece own = piece_of(j, stage, p);
     double length = j->curve->piece[p].end - own.begin, force = j->piece_force[p], slope = slope_at(&j->curve->piece[p].force, j->curve->piece[p].end);
     double left[LANES], ratio[LANES], over[LANES], x[LANES], f[LANES], w[LANES], rise[LANES], sum[LANES] = {0.0};
@@ -68,29 +60,30 @@ static void cross_in_series(const batch_job *j, int32_t stage, int32_t p, spring
 /* The indentation in piece p of `stage`, or anywhere in a stage that differs between impacts, at which contact and spring have
  * taken up b->left: Newton's method in a bracket, from where the work alone would turn the impact, or as if energy grew as a
  * square. */
-static void depth_in_series(const batch_job *j, int32_t stage, int32_t p, double begin, spring_block *b) {
+static void depth_in_series(const batch_job *j, int32_t stage, int32_t p, double begin, fixed_block *b) {
     int power = stage != j->shaped && force_rises(j->curve, stage);
     double end = stage == j->shaped ? j->own->end : j->curve->piece[p].end;
-    double low[LANES], high[LANES], f[LANES], w[LANES], slope[LANES], moving[LANES], first[LANES], e[LANES];
+    double f[LANES], w[LANES], slope[LANES], first[LANES], e[LANES], missing[LANES], next[LANES];
+    bracket in;
     if (power) {
         const film_function *g = &j->curve->piece[p].force;
         EACH(l) w[l] = b->left[l] + j->curve->piece[p].work_at_begin;
-        power_depth_lanes(g, w, high);
-        law_and_slope_lanes(j, stage, p, high, f, w, slope);
+        power_depth_lanes(g, w, in.high);
+        law_and_slope_lanes(j, stage, p, in.high, f, w, slope);
         EACH(l) {
-            high[l] += g->origin;
+            in.high[l] += g->origin;
             first[l] = b->left[l] / (b->left[l] + 0.5 * b->spring[l] * f[l] * f[l]);
             e[l] = 0.5 / g->exponent;
         }
         power_lanes(first, e, w);
-        EACH(l) b->xi[l] = begin + (high[l] - begin) * w[l];
+        EACH(l) b->xi[l] = begin + (in.high[l] - begin) * w[l];
     } else {
         double at[LANES];
         EACH(l) at[l] = begin;
         law_and_slope_lanes(j, stage, p, at, f, first, slope);
         EACH(l) {
             first[l] += 0.5 * b->spring[l] * f[l] * f[l];
-            at[l] = high[l] = end;
+            at[l] = in.high[l] = end;
         }
         law_and_slope_lanes(j, stage, p, at, f, w, slope);
         EACH(l) {
@@ -99,28 +92,23 @@ static void depth_in_series(const batch_job *j, int32_t stage, int32_t p, double
         }
     }
     EACH(l) {
-        low[l] = begin;
-        moving[l] = 1.0;
+        in.low[l] = begin;
+        in.moving[l] = 1.0;
     }
-    for (int i = 0; i < DEPTH_STEPS && any(moving); i++) {
+    for (int i = 0; i < DEPTH_STEPS && any(in.moving); i++) {
         law_and_slope_lanes(j, stage, p, b->xi, f, w, slope);
         EACH(l) {
-            double c = b->spring[l], at = b->xi[l], missing = b->left[l] - w[l] - 0.5 * c * f[l] * f[l];
-            low[l] = missing >= 0.0 ? at : low[l];
-            high[l] = missing >= 0.0 ? high[l] : at;
-            double next = at + missing / (f[l] * (1.0 + c * slope[l])), halved = 0.5 * (low[l] + high[l]);
-            double near = next >= low[l] ? 1e-9 : 4e-16;
-            near = next <= high[l] ? near : 4e-16;
-            next = near > 1e-12 ? next : halved;
-            b->xi[l] = moving[l] > 0.0 ? next : at;
-            moving[l] = fabs(next - at) <= near * at ? 0.0 : moving[l];
+            double c = b->spring[l];
+            missing[l] = b->left[l] - w[l] - 0.5 * c * f[l] * f[l];
+            next[l] = b->xi[l] + missing[l] / (f[l] * (1.0 + c * slope[l]));
         }
+        move_in_bracket(&in, missing, next, 1e-9, b->xi);
     }
     law_and_slope_lanes(j, stage, p, b->xi, b->force, b->work, b->slope);
 }
 
 /* From the beginning of piece p, or of a stage that differs between impacts, to the turn. */
-static void turn_in_series(const batch_job *j, int32_t stage, int32_t p, double begin, spring_block *b) {
+static void turn_in_series(const batch_job *j, int32_t stage, int32_t p, double begin, fixed_block *b) {
     double x[LANES], f[LANES], w[LANES], rise[LANES], length[LANES], sum[LANES] = {0.0};
     EACH(l) length[l] = b->xi[l] - begin;
     for (int32_t i = 0; i < j->rule.count; i++) {
@@ -139,11 +127,12 @@ static void turn_in_series(const batch_job *j, int32_t stage, int32_t p, double 
 }
 
 /* Out from the turn: along a power of the recovery, or along a reversible law, which takes as long as the way in. */
-static void leave_in_series(const batch_job *j, int32_t stage, spring_block *b) {
+static void leave_in_series(const batch_job *j, int32_t stage, fixed_block *b) {
     double at[LANES], power[LANES], sum[LANES] = {0.0};
     if (j->curve->stage[stage].unloading == FILM_RETRACE) {
         EACH(l) {
             b->ended[l] = 2.0 * b->turned[l];
+            b->given[l] = b->stored + b->work[l];
             b->recovery[l] = b->xi[l];
         }
         return;
@@ -160,12 +149,16 @@ static void leave_in_series(const batch_job *j, int32_t stage, spring_block *b) 
             sum[l] += weight * (own + bent * q * (power[l] / u)) / sqrt(given);
         }
     }
-    EACH(l) b->ended[l] = b->turned[l] + sum[l] / sqrt(2.0 * b->force[l]);
+    EACH(l) {
+        b->ended[l] = b->turned[l] + sum[l] / sqrt(2.0 * b->force[l]);
+        b->given[l] = b->force[l] * b->recovery[l] / (b->exponent[l] + 1.0);
+    }
 }
 
 /* A block of impacts that turn in piece p of `stage`, from first touch to the end of contact. */
 static void spring_lanes(batch_job *j, int32_t stage, int32_t p, const int64_t *index, int count) {
-    spring_block b;
+    fixed_block b;
+    double last[LANES];
     memset(&b, 0, sizeof b);
     EACH(l) {
         int64_t i = index[l < count ? l : 0]; /* an incomplete block is filled up with its first impact */
@@ -184,25 +177,8 @@ static void spring_lanes(batch_job *j, int32_t stage, int32_t p, const int64_t *
     depth_in_series(j, stage, p, begin, &b);
     turn_in_series(j, stage, p, begin, &b);
     leave_in_series(j, stage, &b);
-    int retraced = j->curve->stage[stage].unloading == FILM_RETRACE;
-    for (int l = 0; l < count; l++) {
-        film_summary *s = &j->summary[index[l]];
-        double work = b.stored + b.work[l], given = retraced ? work : b.force[l] * b.recovery[l] / (b.exponent[l] + 1.0);
-        s->maximum_force = b.force[l] > b.peak ? b.force[l] : b.peak;
-        s->maximum_indentation = b.xi[l];
-        s->time_of_maximum_indentation = s->time_impactor_stops = b.turned[l];
-        s->contact_duration = b.ended[l];
-        s->permanent_indentation = b.xi[l] - b.recovery[l];
-        s->final_velocity = -sqrt(2.0 * given + b.spring[l] * b.force[l] * b.force[l]);
-        s->shift = 0.0;
-        s->work = work - given;
-        s->stage = stage;
-        s->lines = j->rule.count * (stage + 1);
-        int whole = b.recovery[l] > SHORTEST_RECOVERY * b.xi[l] && b.ended[l] < INFINITY && s->final_velocity > -INFINITY;
-        whole = whole && b.xi[l] - begin > SHORT_LEG * b.xi[l] && !(b.bad[l] > 0.0);
-        if (whole) j->status[index[l]] = FILM_EVENT;
-        else leave_alone(j, index[l]);
-    }
+    EACH(l) last[l] = -sqrt(2.0 * b.given[l] + b.spring[l] * b.force[l] * b.force[l]);
+    put_turned(j, stage, begin, index, count, &b, b.turned, last);
 }
 
 #endif

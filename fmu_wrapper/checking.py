@@ -17,6 +17,7 @@ from film_model.base.errors import DamagedFile
 from film_model.base.units import format_si
 from film_model.core import native
 from film_model.effects.choose import choose
+from film_model.oblique.stepped import SlidingOutputs
 from film_model.problem.curve import jumps
 from film_model.scene import DEFAULT_ACCURACY, Scene
 from film_model.solve.accuracy import mesh_for
@@ -32,6 +33,7 @@ from fmu_wrapper.findings import STEPS_TOLERANCE, Finding
 from fmu_wrapper.free_body import as_structure
 from fmu_wrapper.instance import Fmu, opened
 from fmu_wrapper.resource import Data, component_of, has_exchange, segments_of, vibrations_of
+from fmu_wrapper.stepping import ALONG
 from fmu_wrapper.variables import KINDS, reference
 
 ALLOWED = {
@@ -162,15 +164,18 @@ def _compared(what: str, ds: xr.Dataset, component: ImpactComponent, step: float
     component.reset()
     times = ds["t"].values
     touch = -float(times[0])
-    results, events = list[Outputs](), list[Event]()
+    results, along, events = list[Outputs](), list[SlidingOutputs | None](), list[Event]()
     for time in (times + touch).tolist():
         result = component.step(max(time - component.time, 0.0))
         results.append(result.outputs)
+        along.append(component.sliding)
         events += result.events
     events += component.step(1e-6 * max(touch, step)).events  # those after the last point by rounding
     motion = {name: np.array([getattr(outputs, name) for outputs in results]) for name in MOTION}
+    if component.sliding is not None:
+        motion |= {name: np.array([getattr(outputs, name) for outputs in along]) for name in ALONG}
     of_events = [(event.time, event.name) for event in events]
-    theirs = {name: ds[name].values for name in MOTION}
+    theirs = {name: ds[name].values for name in motion}
     findings = _compared_motion(what, times + touch, theirs, motion, of_events, component, allowed)
     known = _reproducible(events, component) if allowed == ALLOWED["exchange"] else len(events)
     return findings + _compared_events(what, ds, events, known, allowed)

@@ -21,6 +21,7 @@ from film_model.problem import stresses
 from film_model.problem.curve import curve_of
 from film_model.problem.problem import Problem
 from film_model.scene import STANDARD_GRAVITY, Scene
+from film_model.scene.friction_table import FrictionTable
 from film_model.scene.rolling import sliding_of
 from film_model.solve.component import ImpactComponent
 from film_model.solve.sensed import weights_of
@@ -87,7 +88,7 @@ def model_data(
     """
     scene, law = problem.scene, problem.law
     data = Data()
-    data.magic, data.size = MAGIC, c.sizeof(Data)
+    data.magic = MAGIC
     data.kind = KINDS.index(kind)
     data.linearisation = native.CHORD if scene.solver.linearisation == "chord" else native.WORK_PRESERVING
     data.length_scale, data.force_scale = problem.scales.length, problem.scales.force
@@ -124,9 +125,10 @@ def model_data(
     data.stresses = _stresses(problem)
     data.curve = curve_of(problem.law).native
     _put_family(data, problem)
+    _put_relaxation_and_friction(data, problem, tolerance)
     if vibration is not None:
         _put_modes(data, problem, vibration, weights_of(scene.target, vibration.tables, vibration.highest))
-    _put_relaxation_and_friction(data, problem, tolerance)
+    data.size = c.sizeof(Data) + len(data.tail)
     return data
 
 
@@ -136,7 +138,9 @@ def _put_relaxation_and_friction(data: Data, problem: Problem, tolerance: float)
         data.relaxation = Relaxing(problem.relaxation.law(1.0), tolerance)
     sliding = sliding_of(problem.scene, at_rest=True)
     if sliding is not None:
-        data.friction = Friction(sliding.ratio, sliding.impactor.lever, problem.scene.impactor.inertia_number)
+        number, table = problem.scene.impactor.inertia_number, sliding.table.rows if sliding.table else ()
+        data.friction = Friction(sliding.ratio, sliding.impactor.lever, number, len(table))
+        data.tail += np.array(table).tobytes()
 
 
 def _put_damping(
@@ -151,8 +155,9 @@ def _put_damping(
 
 def _missing(problem: Problem, vibration: Vibration | None) -> tuple[str, ...]:
     """Parameters and inputs of impacts that this one does not have."""
-    slides = problem.scene.contact.friction is not None
-    unknown = () if slides else tuple(name for name in OF_FRICTION if reference(name) < _SETTABLE)
+    friction = problem.scene.contact.friction
+    unknown = tuple(name for name in OF_FRICTION if reference(name) < _SETTABLE) if friction is None else ()
+    unknown += ("friction",) if isinstance(friction, FrictionTable) else ()
     if vibration is not None:
         return (*unknown, *OF_HALF_SPACES)
     if problem.relaxation is not None:
@@ -165,7 +170,7 @@ def _of_scene(problem: Problem) -> dict[str, float]:
     scene = problem.scene
     sliding = sliding_of(scene, at_rest=True)
     return {
-        "friction": scene.contact.one_friction("an FMU has") or 0.0,
+        "friction": friction if isinstance(friction := scene.contact.friction, float) else 0.0,
         "initial_tangential_velocity": 0.0 if sliding is None else float(sliding.along),
         "initial_spin": scene.impactor.spin or 0.0,
         "mass": problem.mass,
@@ -188,7 +193,6 @@ def _put_modes(data: Data, problem: Problem, vibration: Vibration, weights: NDAr
     rest = start.rest * problem.scales.length / problem.scales.force
     data.modes = Modes(tables.longest, rest, start.tolerance, count, LEVELS, len(weights))
     data.tail += np.concatenate([weights.ravel(), tables.frequency, tables.share, tables.ratio]).tobytes()
-    data.size = c.sizeof(Data) + len(data.tail)
 
 
 def _put_validity(data: Data, validity: Validity) -> None:
@@ -242,7 +246,6 @@ def _put_family(data: Data, problem: Problem) -> None:
         probe: Any = replace(law, **{name: getattr(law, name) * SMALLER}) if name in law.shaped_by else law  # type: ignore[type-var]
         family.power[k] = rational(math.log(probe.shape / law.shape) / math.log(SMALLER))
     data.tail = bytes(page.whole) + page.family.memory.tobytes()
-    data.size = c.sizeof(Data) + len(data.tail)
 
 
 def mode_frequencies(data: Data) -> NDArray[np.float64]:
@@ -333,7 +336,7 @@ def has(data: Data, name: str) -> bool:
     k = reference(name)
     if not has_exchange(data) and k >= reference("rate_of_indentation"):
         return False
-    if name in OF_FRICTION and not data.available[reference("friction")]:
+    if name in OF_FRICTION and not data.available[reference("torque")]:
         return False
     return KINDS[data.kind] in VARIABLES[k].causality and (k >= _SETTABLE or bool(data.available[k]))
 
@@ -341,7 +344,7 @@ def has(data: Data, name: str) -> bool:
 def has_exchange(data: Data) -> bool:
     """Whether the FMU is for Model Exchange too: not on a target that vibrates or has a static stiffness, not of
     viscoelastic bodies, and not with friction."""
-    without = [reference(name) for name in ("target_stiffness", "friction")]
+    without = [reference(name) for name in ("target_stiffness", "torque")]
     return not (data.modes.count or data.relaxation.tolerance or any(data.available[k] for k in without))
 
 

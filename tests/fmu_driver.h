@@ -129,7 +129,7 @@ static inline int relaxing(const resources *r) { return r->data.relaxation.toler
 /* On a target that vibrates or has a static stiffness, of viscoelastic bodies, or with friction: for Co-Simulation only, and not the march of
  * the law's curve alone. */
 static inline int beside(const resources *r) {
-    return r->data.modes.count > 0 || relaxing(r) || r->data.available[TARGET_STIFFNESS] || r->data.available[FRICTION];
+    return r->data.modes.count > 0 || relaxing(r) || r->data.available[TARGET_STIFFNESS] || r->data.available[TORQUE];
 }
 
 /* ---------------------------------------------------------------- one interface to both versions */
@@ -203,7 +203,7 @@ static inline double get(unit *u, unsigned reference) {
 
 static inline int has(const resources *r, unsigned reference) {
     if (beside(r) && VARIABLE[reference].changes == IN_MODEL_EXCHANGE) return 0;
-    if (reference >= SLIDING_VELOCITY && reference <= TIME_OF_LAST_SLIDING_EVENT && !r->data.available[FRICTION]) return 0;
+    if (reference >= SLIDING_VELOCITY && reference <= TIME_OF_LAST_SLIDING_EVENT && !r->data.available[TORQUE]) return 0;
     return VARIABLE[reference].role[r->data.kind] != ABSENT && (reference >= SETTABLE || r->data.available[reference]);
 }
 

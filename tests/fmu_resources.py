@@ -47,12 +47,13 @@ def viscoelastic(target: str = "half-space") -> fm.Scene:
     )
 
 
-def rubbing(law: str) -> fm.Scene:
+def rubbing(law: str, **contact: Any) -> fm.Scene:
     """The ball comes in at an angle, with friction."""
     on = scene(law)
     entries = {"contact.friction": 0.3, "contact.effective_modulus": None}
     entries |= {"impactor.angle": "30 deg", "impactor.spin": "9 rad/s"}
-    return on.replace({**entries, "impactor.material": "bearing steel", "target.material": "bearing steel"})
+    on = on.replace({**entries, "impactor.material": "bearing steel", "target.material": "bearing steel"})
+    return on.replace({f"contact.{name}": value for name, value in contact.items()})
 
 
 CASES = {
@@ -64,6 +65,7 @@ CASES = {
     "a force at first touch": ("impact", scene("meyer-shifted"), "1 um"),
     "chords": ("impact", scene("big-alabo", "plate", linearisation="chord"), 0.0),
     "friction": ("impact", rubbing("hertz"), "1 um"),
+    "a table of friction": ("impact", rubbing("hertz", friction=[["0 m/s", 0.4], ["1 m/s", 0.1]]), "1 um"),
     "dropped": ("impact", replace(scene("big-alabo"), effects=fm.Effects(gravity=True)), "0.05 mm"),
     "spring and dashpot": ("impact", scene("linear-dashpot"), "1 um"),
     "tsuji on a plate": ("impact", scene("tsuji", "plate"), 0.0),

@@ -13,6 +13,7 @@ from fmu_wrapper.instance import opened, started
 from fmu_wrapper.variables import OF_FRICTION, SLIDINGS, reference
 
 OUTPUTS, EVENTS = OF_FRICTION[6:12], OF_FRICTION[12:]
+TABLE = [["0 m/s", 0.3], ["20 mm/s", 0.25], ["0.1 m/s", 0.1]]
 BEAM = fm.Beam("bearing steel", length="60 mm", width="20 mm", thickness="8 mm", position="25 mm")
 
 
@@ -27,12 +28,16 @@ def component_for(path, served):
 
 
 @pytest.mark.parametrize("version", [2, 3])
+@pytest.mark.parametrize("table", [False, True])
 @pytest.mark.parametrize("law", ["hertz", "elastoplastic", "tsuji", "on a beam"])
-def test_outputs_are_those_of_the_component_under_changing_inputs(made, version, law):
-    served = on(target=BEAM) if law == "on a beam" else on(law)
+def test_outputs_are_those_of_the_component_under_changing_inputs(made, version, law, table):
+    changes = {"contact.friction": TABLE} if table else {}
+    served = on(target=BEAM, **changes) if law == "on a beam" else on(law, **changes)
     path, h = made(served, version), fm.simulate(served).duration / 40.5
     component, begun = component_for(path, served), []
     with opened(path) as fmu, started(fmu, False, {}) as slave:
+        names = {variable.name for variable in fmu.description.modelVariables}
+        assert set(OF_FRICTION) - names == ({"friction"} if table else set())
         assert fmu.description.modelExchange is None
         for n in range(60):
             inputs = {"tangential_force": math.sin(n / 5.0), "torque": 0.01 * math.cos(n / 4.0)}
@@ -90,6 +95,19 @@ def test_parameters_are_those_of_other_impacts(made):
     assert found["spin"] == pytest.approx(exact["rebound_spin"], abs=2e-5 * before / 0.01)
 
 
+def test_a_table_holds_for_other_masses(made):
+    """The mass changes the unit of the velocity in which the core has the table."""
+    served = on(**{"contact.friction": TABLE})
+    history = fm.simulate(served.replace({"impactor.mass": "50 g"}), accuracy=1e-8)
+    fine = {"loading_segments": 200, "unloading_segments": 200}
+    with opened(made(served)) as fmu, started(fmu, False, {"mass": 0.05, **fine}) as slave:
+        slave.step(0.0, 1.01 * history.duration)
+        found = slave.get(OUTPUTS)
+    exact, before = history.oblique.summary, history.oblique.motion["sliding_velocity"][0]
+    assert found["sliding_velocity"] == pytest.approx(exact["contact_point_rebound_velocity"], abs=5e-5 * before)
+    assert found["friction_work"] == pytest.approx(exact["friction_work"], rel=1e-3)
+
+
 def test_a_saved_state_has_friction_too(made):
     served = on()
     h = fm.simulate(served).duration / 10
@@ -118,9 +136,10 @@ def test_derivatives_by_parameters_leave_friction_out(made):
 @pytest.mark.slow
 @pytest.mark.parametrize("version", [2, 3])
 def test_check_fmu_finds_it_good(made, version):
-    served = on("elastoplastic")
+    served = on("elastoplastic", **{"contact.friction": TABLE})
     report = fmu_wrapper.check(made(served, version), served)
-    assert report.good, report.text()
+    assert report.good, report.largest()
+    assert any(finding.what.endswith(": spin") for finding in report.findings)
 
 
 def test_what_has_no_friction_is_refused_or_lacks_its_variables(made, tmp_path):

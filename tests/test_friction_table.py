@@ -5,7 +5,6 @@ import pytest
 
 import film_datasets as fd
 import film_model as fm
-import fmu_wrapper
 from film_model.explorer.page import page
 from film_model.scene.rolling import sliding_of
 from film_model.solve.batch import simulate_many
@@ -99,8 +98,6 @@ def test_a_wrong_table_is_refused_in_a_sentence(friction, sentence):
 @pytest.mark.filterwarnings("ignore::film_model.ImpactWarning")
 def test_what_has_one_coefficient_only_refuses_a_table(tmp_path):
     scene = slanted("30 deg")
-    with pytest.raises(fm.SimulationError, match="an FMU has one coefficient of friction"):
-        fmu_wrapper.export(scene, tmp_path / "x.fmu")
     with pytest.raises(fm.SimulationError, match="the page has one coefficient of friction"):
         page(scene)
     with pytest.raises(fm.SceneError, match="the scene has no number to begin with: give one"):

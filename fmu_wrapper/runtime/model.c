@@ -41,9 +41,10 @@ void model_free(model *m) {
     free(m->own);
     free(m->tables);
     free(m->sensed);
+    free(m->friction);
     free(m->modal);
     free(m->relax);
-    m->nodes = m->tables = m->sensed = NULL;
+    m->nodes = m->tables = m->sensed = m->friction = NULL;
     m->own = NULL;
     m->modal = NULL;
     m->relax = NULL;
@@ -146,7 +147,8 @@ static int update_mesh(model *m) {
 }
 
 int model_update(model *m) {
-    return update_mesh(m) < 0 || model_update_curve(m) < 0 || model_update_modes(m) < 0 || model_update_relaxing(m) < 0 ? -1 : 0;
+    int failed = update_mesh(m) < 0 || model_update_curve(m) < 0 || model_update_modes(m) < 0 || model_update_relaxing(m) < 0;
+    return failed || model_update_friction(m) < 0 ? -1 : 0;
 }
 
 /* The state of a target that vibrates, or of viscoelastic bodies. */

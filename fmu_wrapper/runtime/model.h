@@ -38,11 +38,14 @@ typedef struct {
     double tolerance;
 } model_relaxation;
 
-/* An FMU has friction if the parameter is available. ratio: kappa = E_star/(4 G_star); lever: from the impactor's centre to the
- * contact, m; inertia: its moment of inertia over mass lever^2. */
+/* An FMU has friction if the input torque is available. ratio: kappa = E_star/(4 G_star); lever: from the impactor's centre to the
+ * contact, m; inertia: its moment of inertia over mass lever^2. rows: pairs of sliding speed, m/s, and coefficient, in place of the
+ * parameter friction; they follow model_data between the numbers of the family and those of the modes. */
 typedef struct {
     double ratio, lever, inertia;
+    int32_t rows, padding;
 } model_friction;
+enum { MOST_ROWS = 100000 };
 
 /* What Python's film_model/problem/stresses.py computes, in numbers; 0 for what is unknown. radius: m; hertz: force over the
  * indentation to the power 1.5 of an elastic contact, N/m^1.5; first_radius: contact radius at first yield over the ball's;
@@ -144,6 +147,7 @@ typedef struct {
     double *nodes;
     film_structure structure; /* of a vibrating target, with its memory */
     double *tables;
+    double *friction;         /* pairs of a table, speeds in the unit of film_slide.h */
     double *sensed;           /* of film_modal_sensed, if known: the motion of the sensors now */
     int32_t sensed_known;
     film_modal *modal;        /* its state, followed by the modes; saved beside model_memory */
@@ -159,6 +163,9 @@ int model_has_data(const char *folder);
 /* Convert a file URI such as file:///tmp/a%20b/resources to a path of at most `room` characters. -1: not a file URI.
  * Without `escapes`, %20 stays as it is. */
 int model_path_of_uri(const char *uri, char *path, size_t room, int escapes);
+
+/* The pairs of a table of friction. */
+const double *model_friction_table(const model_data *data);
 
 /* FNV-1a hash. */
 uint64_t model_checksum(const void *from, size_t count);

@@ -22,7 +22,7 @@ static void load_states(model *m) {
 
 int model_has_exchange(const model_data *data) {
     return data->kind == CONTACT ||
-           (data->modes.count == 0 && !data->available[TARGET_STIFFNESS] && !data->available[FRICTION] &&
+           (data->modes.count == 0 && !data->available[TARGET_STIFFNESS] && !data->available[TORQUE] &&
             data->relaxation.tolerance == 0.0);
 }
 

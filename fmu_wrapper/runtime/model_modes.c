@@ -115,8 +115,10 @@ int modes_input(model *m, double load, double nu_change, double stop_velocity) {
 }
 
 int modes_step(model *m, double dt) {
-    int status = slides(m) ? film_slide_on_modes(&m->structure, m->curve, m->modal, waves_of(m), dt, NULL, 0, &m->memory.sliding)
-                           : film_modal_step(&m->structure, m->curve, m->modal, waves_of(m), dt);
+    film_structure *structure = &m->structure;
+    int status = slides(m) ? film_slide_on_modes(structure, m->curve, m->modal, waves_of(m), dt, m->friction, m->data->friction.rows,
+                                                 &m->memory.sliding)
+                           : film_modal_step(structure, m->curve, m->modal, waves_of(m), dt);
     if (status >= 0) show(m);
     return status;
 }

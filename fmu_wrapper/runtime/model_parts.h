@@ -45,10 +45,11 @@ int relaxing_input(model *m, double load, double nu_change, double stop_velocity
 int relaxing_step(model *m, double dt);
 
 /* What model_update makes: the curve of the law for the parameters, in m->curve; tables and state of a vibrating target; state
- * and steps of viscoelastic bodies. */
+ * and steps of viscoelastic bodies; the table of friction in its units. */
 int model_update_curve(model *m);
 int model_update_modes(model *m);
 int model_update_relaxing(model *m);
+int model_update_friction(model *m);
 size_t model_modal_size(const model_data *data);
 
 static inline int vibrates(const model *m) { return m->data->kind == IMPACT && m->data->modes.count > 0; }
@@ -64,7 +65,7 @@ void sliding_input(model *m);
 int sliding_follow(model *m, const film_state *from);
 static inline int model_of_friction(unsigned reference) { return reference >= SLIDING_VELOCITY && reference <= TIME_OF_LAST_SLIDING_EVENT; }
 double sliding_output(const model *m, unsigned reference);
-static inline int slides(const model *m) { return m->data->kind == IMPACT && m->data->available[FRICTION]; }
+static inline int slides(const model *m) { return m->data->kind == IMPACT && m->data->available[TORQUE]; }
 
 /* The unit of state.time, s. */
 static inline double clock_of(const model *m) { return vibrates(m) ? 1.0 : m->memory.time_scale; }

@@ -1,11 +1,27 @@
 /* Friction: the motion along the surface, in the units of film_slide.h. See model.h. */
 #include "model_parts.h"
 
+#include <stdlib.h>
+
 static double velocity_unit(const model *m) { return m->data->friction.ratio * m->memory.velocity; }
 
 static double inertia_of(const model *m) {
     const model_friction *own = &m->data->friction;
     return own->inertia * m->memory.value[MASS] * own->lever * own->lever;
+}
+
+const double *model_friction_table(const model_data *data) {
+    size_t modes = (size_t)(data->modes.count > 0 ? (data->modes.sensors + 3) * data->modes.count : 0);
+    return (const double *)((const unsigned char *)data + data->size) - modes - 2 * (size_t)data->friction.rows;
+}
+
+int model_update_friction(model *m) {
+    size_t rows = (size_t)m->data->friction.rows;
+    const double *pair = model_friction_table(m->data);
+    if (rows == 0) return 0;
+    if (!m->friction && !(m->friction = malloc(2 * rows * sizeof *m->friction))) return model_error(m, "no memory for the table of friction");
+    for (double *to = m->friction; to < m->friction + 2 * rows; to += 2, pair += 2) to[0] = pair[0] / velocity_unit(m), to[1] = pair[1];
+    return 0;
 }
 
 int sliding_begin(model *m) {
@@ -38,7 +54,8 @@ int sliding_follow(model *m, const film_state *from) {
     double time = now->state.time - from->time;
     now->pushed += now->value[TANGENTIAL_FORCE] * time * clock_of(m);
     now->turned += now->value[TORQUE] * time * clock_of(m);
-    int status = vibrates(m) ? FILM_OK : film_slide(m->curve, &m->mesh, from, &now->state, NULL, 0, &now->sliding);
+    int status = vibrates(m) ? FILM_OK
+                             : film_slide(m->curve, &m->mesh, from, &now->state, m->friction, m->data->friction.rows, &now->sliding);
     const film_watch *watch = &now->sliding.watch;
     if (watch->events == 0) return status;
     now->sliding_events += watch->events;

@@ -73,6 +73,18 @@ static int bad_relaxation(const model_data *data) {
            film_relax_init(&state, &own->law, &still, own->tolerance, 0.0) < 0;
 }
 
+static int bad_friction(const model_data *data) {
+    const model_friction *own = &data->friction;
+    if (!data->available[TORQUE]) return own->rows != 0;
+    if (own->rows < 0 || own->rows > MOST_ROWS) return 1;
+    int bad = !(own->ratio > 0.0 && own->ratio < INFINITY && own->lever > 0.0 && own->lever < INFINITY && own->inertia > 0.0 &&
+                own->inertia < INFINITY);
+    const double *table = model_friction_table(data);
+    for (int32_t k = 0; k < 2 * own->rows; k++) bad |= !(table[k] >= 0.0 && table[k] < INFINITY);
+    for (int32_t k = 1; k < own->rows; k++) bad |= !(table[2 * k] > table[2 * k - 2]);
+    return bad || data->kind != IMPACT || data->relaxation.tolerance > 0.0 || data->curve.pull > 0.0;
+}
+
 static int bad_numbers(const model_data *data) {
     int bad = data->kind < 0 || data->kind >= KINDS || !(data->length_scale > 0.0) || !(data->force_scale > 0.0) ||
               !(data->damping >= 0.0);
@@ -81,16 +93,11 @@ static int bad_numbers(const model_data *data) {
     for (int k = 0; k < RESTITUTION_TERMS; k++) bad |= !isfinite(data->restitution[k]);
     const double *number = (const double *)&data->stresses;
     for (size_t k = 0; k < sizeof data->stresses / sizeof *number; k++) bad |= !(number[k] >= 0.0 && number[k] < INFINITY);
-    const model_friction *friction = &data->friction;
-    if (data->available[FRICTION])
-        bad |= !(friction->ratio > 0.0 && friction->ratio < INFINITY && friction->lever > 0.0 && friction->lever < INFINITY &&
-                 friction->inertia > 0.0 && friction->inertia < INFINITY) ||
-               data->kind != IMPACT || data->relaxation.tolerance > 0.0 || data->curve.pull > 0.0;
     const model_family *family = &data->family;
     if (family->nodes != 0)
         bad |= family->nodes < 2 || family->nodes > FILM_MAX_NODES || !(family->low > 0.0 && family->low < family->high) ||
                !(family->shape >= family->low && family->shape <= family->high) || family->varying < 1;
-    return bad || film_check_curve(&data->curve) < 0 || bad_modes(data) || bad_relaxation(data);
+    return bad || film_check_curve(&data->curve) < 0 || bad_modes(data) || bad_relaxation(data) || bad_friction(data);
 }
 
 /* Bytes of the family that follow the data. */
@@ -98,6 +105,12 @@ static size_t family_size(const model_data *data) {
     size_t nodes = (size_t)data->family.nodes, varying = (size_t)data->family.varying;
     if (data->family.nodes <= 0 || data->family.nodes > FILM_MAX_NODES || varying > MOST_VARYING) return 0;
     return sizeof(film_curve) + (nodes + varying + nodes * varying) * sizeof(double);
+}
+
+/* Bytes of the table of friction that follow those. */
+static size_t friction_size(const model_data *data) {
+    int32_t rows = data->friction.rows;
+    return rows > 0 && rows <= MOST_ROWS ? 2 * sizeof(double) * (size_t)rows : 0;
 }
 
 /* Bytes of the modes that follow those. */
@@ -127,7 +140,7 @@ model_data *model_read_data(const char *folder, char *message, size_t room) {
     if (fread(data, 1, size, file) < size) return fault(data, file, message, room, "%s cannot be read", path);
     if (memcmp(data->magic, MAGIC, sizeof MAGIC) != 0)
         return fault(data, file, message, room, "%s was not written by this version of film-model", path);
-    if (data->size != size || size != sizeof *data + family_size(data) + modes_size(data) ||
+    if (data->size != size || size != sizeof *data + family_size(data) + friction_size(data) + modes_size(data) ||
         data->modes.count < 0 || data->modes.count > MOST_MODES || data->modes.sensors < 0 || data->modes.sensors > MOST_SENSORS)
         return fault(data, file, message, room, "%s is damaged: it must have %u bytes", path, (unsigned)data->size);
     size_t head = offsetof(model_data, token);

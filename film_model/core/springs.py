@@ -104,6 +104,12 @@ def radii(force: Array, depth: Array, law: Array, modulus: float) -> tuple[Array
     return first, second
 
 
+def slid(friction: Array, velocity: float, impulse: float) -> float:
+    """The sliding velocity after a normal impulse over m_t in which the contact slides. friction: as in :func:`impact`."""
+    friction = np.ascontiguousarray(friction, np.float64)
+    return _library().film_friction_slid(friction.ctypes.data, len(friction), velocity, impulse)
+
+
 def power(curve: native.Curve) -> float:
     """The power of the contact radius with which the depth of the law grows, as in film_springs.h."""
     return _library().film_springs_power(c.byref(curve))

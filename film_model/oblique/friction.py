@@ -184,8 +184,9 @@ def slid(given: Sliding, impulse: Number) -> Number:
     if table is None:
         return given.velocity - np.copysign(given.friction * impulse, given.velocity)
     if not isinstance(impulse, np.ndarray):
-        return table.slid(float(given.velocity), impulse)
-    return np.array([table.slid(*one) for one in zip(given.velocity.tolist(), impulse.tolist(), strict=True)])
+        return springs_core.slid(table.pairs, float(given.velocity), impulse)
+    each = zip(given.velocity.tolist(), impulse.tolist(), strict=True)
+    return np.array([springs_core.slid(table.pairs, *one) for one in each])
 
 
 def normal_impulse(scene: Scene, problem: Problem, rebound: Number, duration: Number) -> Number:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
@@ -31,34 +30,6 @@ class FrictionTable(AbstractTable):
     def at(self, x: Any) -> Any:
         """µ at a speed or at many, m/s."""
         return np.interp(x, *np.array(self.rows).T)
-
-    def slid(self, velocity: float, impulse: float) -> float:
-        """The sliding velocity after a normal impulse over m_t, m/s, in which the contact slides: v' = −µ(|v|).
-
-        Between two rows µ = a + b v, so that µ falls or grows by e^{−b s} over the impulse s. The velocity is that of
-        the far points, which turns while the contact still slides.
-        """
-        v, left = abs(velocity), impulse
-        while left > 0.0 and (now := float(self.at(abs(v)))) > 0.0:
-            low, slope = self._below(v)
-            if slope == 0.0:
-                whole = (v - low) / now
-            else:
-                end = now + slope * (low - v)  # µ at the lower row
-                whole = math.log(now / end) / slope if end > 0.0 else math.inf
-            if whole > left:
-                v -= now * left if slope == 0.0 else -now * math.expm1(-slope * left) / slope
-                break
-            v, left = low, left - whole
-        return math.copysign(1.0, velocity) * v
-
-    def _below(self, v: float) -> tuple[float, float]:
-        """The row of either sign below a velocity, and dµ/dv from there on; beyond the table µ is constant."""
-        rows = sorted({sign * speed for speed, _ in self.rows for sign in (-1.0, 1.0)})
-        low = max((row for row in rows if row < v), default=-math.inf)
-        high = min((row for row in rows if row >= v), default=math.inf)
-        rises = math.isfinite(low) and math.isfinite(high)
-        return low, float(self.at(abs(high)) - self.at(abs(low))) / (high - low) if rises else 0.0
 
     @property
     def pairs(self) -> Array:

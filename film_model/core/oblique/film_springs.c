@@ -162,6 +162,25 @@ double film_friction_at(const double *table, int32_t rows, double speed) {
     return k == rows ? low[1] : low[1] + (low[3] - low[1]) * ((speed - low[0]) / (low[2] - low[0]));
 }
 
+double film_friction_slid(const double *table, int32_t rows, double velocity, double impulse) {
+    double v = fabs(velocity), now;
+    while (impulse > 0.0 && (now = film_friction_at(table, rows, fabs(v))) > 0.0) {
+        double low = -INFINITY, high = INFINITY, slope = 0.0; /* the rows of either sign around v, and the slope between */
+        for (int32_t k = 0; k < 2 * rows; k++) {
+            double row = k < rows ? table[2 * k] : -table[2 * (k - rows)];
+            if (row < v) low = fmax(low, row);
+            else high = fmin(high, row);
+        }
+        if (isfinite(low) && isfinite(high))
+            slope = (film_friction_at(table, rows, fabs(high)) - film_friction_at(table, rows, fabs(low))) / (high - low);
+        double end = now + slope * (low - v), whole = slope == 0.0 ? (v - low) / now : end > 0.0 ? log(now / end) / slope : INFINITY;
+        double part = fmin(whole, impulse);
+        v = whole < impulse ? low : v - (slope == 0.0 ? now * part : -now * expm1(-slope * part) / slope);
+        impulse -= part;
+    }
+    return copysign(1.0, velocity) * v;
+}
+
 void film_springs_take(film_springs *state, double time, const double *table, int32_t rows) {
     if (rows > 0) state->friction = film_friction_at(table, rows, fabs(state->v + time * (state->push - state->q / state->mass)));
 }

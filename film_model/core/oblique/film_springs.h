@@ -55,6 +55,10 @@ FILM_API void film_springs_watch(film_watch *watch, int32_t cut, int32_t touch, 
  * constant beyond; one pair for a constant one. */
 FILM_API double film_friction_at(const double *table, int32_t rows, double speed);
 
+/* The sliding velocity after a normal impulse over m_t in which the contact slides: v' = -mu(|v|). Between two rows mu = a + b v, so that
+ * mu falls or grows by e^(-b s) over the impulse s. The velocity is that of the far points, which turns while the contact still slides. */
+FILM_API double film_friction_slid(const double *table, int32_t rows, double velocity, double impulse);
+
 /* The coefficient of the next step: that at the speed which the present friction force leads to, with an error of its square. */
 FILM_API void film_springs_take(film_springs *state, double time, const double *table, int32_t rows);
 

@@ -23,6 +23,7 @@ from film_model.explorer.inputs import ALONG as PATHS
 from film_model.explorer.page import WASM, page, write_page
 from film_model.oblique import springs
 from film_model.problem.summary import rounding
+from film_model.scene.friction_table import FrictionTable
 from film_model.solve.vibration import STEP
 from film_model.studies.regimes import regimes
 
@@ -470,6 +471,67 @@ def test_oblique_impacts_equal_python(shown, everything):
         assert oblique_off(history, found) <= ALONG, fragment
         compared[exact] += 1
     assert min(compared[True], compared[False]) > 100
+
+
+def rubbing(friction, **target):
+    """A ball that comes in at an angle."""
+    contact = {"law": "hertz", "friction": friction}
+    ball = BALL | {"velocity": "3 m/s", "angle": "40 deg"}
+    return fm.Scene.from_table({"impactor": ball, "target": target | STEEL, "contact": contact})
+
+
+TABLE = [["0 m/s", 0.5], ["1 m/s", 0.2], ["3 m/s", 0.1]]
+IN_WORDS = "0.5 at 0 m/s, 0.2 at 1 m/s, 0.1 at 3 m/s"
+
+
+@pytest.mark.parametrize("target", ["half-space", "beam"])
+@pytest.mark.parametrize("given", [TABLE, 0.3])
+def test_a_table_of_friction_equals_python(shown, tmp_path, target, given):
+    """Of the scene and, in place of a coefficient, of the address; a coefficient in place of the table."""
+    path, chance = tmp_path / "page.html", np.random.default_rng(3)
+    write_page(path, rubbing(given, **HELD.get(target, {"kind": target})))
+    words = {} if given is TABLE else {"contact.friction": IN_WORDS}
+    changes = [{"law": law, **words} for law in ("hertz", "elastoplastic", "tsuji")]
+    for slides in (0.2, 0.7, 1.2) if target == "beam" else chance.uniform(0.0, 1.5, 12):
+        changes.append({"impactor.angle": slides, "impactor.spin": chance.uniform(-1e3, 1e3), **words})
+    changes += [{"contact.friction": "2e-1 at 1e-1 mm/s,.4 at 2", "impactor.velocity": 0.5}]
+    fragments = [urlencode({"scene": "scene", **each}) for each in changes]
+    window, regimes = shown(path.as_uri()), set()
+    for fragment, (found, text) in zip(fragments, window.evaluate(SUMMARIES, fragments), strict=True):
+        assert found["ignored"] == [], fragment
+        history, factor = simulated(fm.Scene.from_text(text), found)
+        assert isinstance(history.scene.contact.friction, FrictionTable)
+        check(history, factor, found, fragment)
+        assert found["modes"] or oblique_off(history, found) <= ALONG, fragment
+        regimes.add(found["oblique"]["sliding_regime"])
+    assert history.scene.contact.friction.rows == ((1e-4, 0.2), (2.0, 0.4))
+    assert len(regimes) > 1
+    found, text = window.evaluate(SUMMARIES, ["scene=scene&contact.friction=0.25"])[0]
+    assert oblique_off(fm.simulate(fm.Scene.from_text(text)), found) <= ALONG
+
+
+def test_a_table_of_friction_is_shown_typed_and_shared(shown, tmp_path):
+    path, field = tmp_path / "page.html", "#entry-contact-friction"
+    write_page(path, rubbing(TABLE, kind="half-space"))
+    window = shown(path.as_uri())
+    assert window.input_value(field) == IN_WORDS
+    window.wait_for_url(re.compile("#scene=scene$"))
+    given = window.inner_text("#oblique")
+    for text in ("0.5 at 0 m/s", "0.5 at 0 m/s, 0.2", "0.5 at 1 m/s, 0.2 at 1 m/s", "101 at 0 m/s, 0.2 at 1 m/s"):
+        window.fill(field, text)
+        window.keyboard.press("Tab")
+        assert window.get_attribute(field, "aria-invalid") == "true", text
+    window.fill(field, "0.6 at 0, 0.1 at 200 mm/s")
+    window.keyboard.press("Tab")
+    window.wait_for_url(re.compile("friction=0.6"))
+    again = shown(window.evaluate("location.href"))
+    assert again.input_value(field) == window.input_value(field) == "0.6 at 0 m/s, 0.1 at 0.2 m/s"
+    assert again.inner_text("#oblique") == window.inner_text("#oblique") != given
+    scene = fm.Scene.from_text(again.evaluate("filmModel.sceneFile(location.hash.slice(1))"))
+    assert scene.contact.friction.rows == ((0.0, 0.6), (0.2, 0.1))
+    window.fill(field, "0.2")
+    window.keyboard.press("Tab")
+    window.wait_for_url(re.compile("friction=0.2$"))
 
 
 def test_losses_of_materials_equal_python(shown, tmp_path):

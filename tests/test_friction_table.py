@@ -6,7 +6,6 @@ import pytest
 import film_datasets as fd
 import film_model as fm
 from film_model.core import springs
-from film_model.explorer.page import page
 from film_model.scene.rolling import sliding_of
 from film_model.solve.batch import simulate_many
 
@@ -97,10 +96,8 @@ def test_a_wrong_table_is_refused_in_a_sentence(friction, sentence):
 
 
 @pytest.mark.filterwarnings("ignore::film_model.ImpactWarning")
-def test_what_has_one_coefficient_only_refuses_a_table(tmp_path):
+def test_what_has_one_coefficient_only_refuses_a_table():
     scene = slanted("30 deg")
-    with pytest.raises(fm.SimulationError, match="the page has one coefficient of friction"):
-        page(scene)
     with pytest.raises(fm.SceneError, match="the scene has no number to begin with: give one"):
         fd.identify(fd.load("oblique_impacts"), scene, ["contact.friction"])
     with pytest.raises(fm.SceneError, match="is a table: there is no derivative by it"):

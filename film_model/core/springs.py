@@ -105,7 +105,7 @@ def radii(force: Array, depth: Array, law: Array, modulus: float) -> tuple[Array
 
 
 def slid(friction: Array, velocity: float, impulse: float) -> float:
-    """The sliding velocity after a normal impulse over m_t in which the contact slides. friction: as in :func:`impact`."""
+    """The sliding velocity after a normal impulse over m_t in which the contact slides. friction: (pairs, 2)."""
     friction = np.ascontiguousarray(friction, np.float64)
     return _library().film_friction_slid(friction.ctypes.data, len(friction), velocity, impulse)
 

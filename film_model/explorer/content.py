@@ -48,6 +48,7 @@ from film_model.problem.model_intervals import (
 from film_model.problem.problem import TRIAL_SEGMENTS
 from film_model.problem.summary import COMPARED, LEAST_GAIN, SUMMARY
 from film_model.scene import DEFAULT_ACCURACY, DEFAULT_TOLERANCE, Scene, Sphere
+from film_model.scene.friction_table import FrictionTable
 from film_model.solve.accuracy import FIRST_SEGMENTS
 from film_model.solve.history import MOTION
 from film_model.solve.simulate import simulate_chosen
@@ -324,5 +325,6 @@ def _friction() -> dict[str, Any]:
     """The numbers of :mod:`film_model.oblique` and of the strobe picture."""
     return support.numbers_of(rows, ("SPRINGS", "STEPS", "EASY", "FEWEST", "SAFETY", "TURN", "SLIDING")) | {
         **{"closed": oblique.CLOSED, "open": OPEN, "modelled": MODELLED, "regimes": REGIMES, "phases": PHASES},
+        "fastest": FrictionTable.PAIR[0].high,
         **support.numbers_of(strobe, ("BALLS", "SPACING")),
     }

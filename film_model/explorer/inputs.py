@@ -12,6 +12,7 @@ from film_model.base.flow_stress import MOST_HARDENING
 from film_model.base.materials import Material
 from film_model.base.units import scene_unit
 from film_model.scene import Scene, toml
+from film_model.scene.friction_table import FrictionTable
 from film_model.scene.impactor import STEEPEST
 from film_model.scene.rolling import stiffness_ratio
 from film_model.targets import Plate
@@ -64,14 +65,15 @@ RANGES = {"hardness": (1e8, 1e10), "strain_hardening_exponent": (0.0, MOST_HARDE
 
 @dataclass(frozen=True)
 class Input:
-    """One entry: its path in the scene, its field, and its value [SI]; None if it is missing and may be.
+    """One entry: its path in the scene, its field, and its value [SI]; None if it is missing and may be. A table of
+    friction has speeds and coefficients in turn.
 
     range: of its slider; by default around the value, or around `present`, which the formulas take if it is missing.
     """
 
     path: str
     field: Field
-    value: float | None
+    value: float | list[float] | None
     range: tuple[float, float] | None = None
     present: float | None = None
 
@@ -85,7 +87,7 @@ class Input:
         """What the page needs. slider: its range, and whether it is logarithmic."""
         name, low, high = self.path.rsplit(".", 1)[1], self.field.low, self.field.high
         assert low is not None and high is not None
-        value = self.present if self.value is None else self.value
+        value = self.value if isinstance(self.value, float) else self.present
         if name == "radius" and low < 0.0:  # a slider does not pass from a ball through a flat to a hollow
             least = cast("float", RADIUS.low)
             low, high = (least, high) if (value or 0.0) > 0.0 else (low, -least)
@@ -110,7 +112,7 @@ class Input:
             "open": self.field.open_ends or (low == 0.0 and name not in MAY_BE_0),
             "slider": slider,
             "logarithmic": logarithmic,
-            "value": None if self.value is None or math.isinf(self.value) else self.value,
+            "value": None if self.value in (math.inf, -math.inf) else self.value,
             "optional": self.optional,
             "empty": EMPTY.get(self.path, EMPTY.get(name, "none")),
             "missing": 0.0 if EMPTY.get(name) == "0" else None,
@@ -144,10 +146,13 @@ def along_of(scene: Scene) -> tuple[Input, ...]:
     """Angle, spin and friction: all of them if friction of these bodies is known, otherwise those that are given."""
     ball, contact = scene.impactor, scene.contact
     rolling = 2.0 * max(scene.impactor.path_speed, scene.approach_velocity) / ball.radius
+    friction = contact.friction
+    if isinstance(friction, FrictionTable):
+        friction = [number for row in friction.rows for number in row]
     entries = (
         Input(ALONG[0], ball.FIELDS["angle"], ball.angle, (0.0, STEEPEST)),
         Input(ALONG[1], ball.FIELDS["spin"], ball.spin, (-rolling, rolling)),
-        Input(ALONG[2], contact.FIELDS["friction"], contact.one_friction("the page has"), (0.0, 1.0)),
+        Input(ALONG[2], contact.FIELDS["friction"], friction, (0.0, 1.0)),
     )
     known = contact.effective_modulus is None and stiffness_ratio(scene) is not None
     return tuple(entry for entry in entries if known or entry.value is not None)

@@ -165,7 +165,7 @@ function showOblique(scene, result) {
   });
   byId("oblique").replaceChildren(made("tbody", {}, tableRow("sliding regime", [oblique.sliding_regime]), ...rows));
   const friction = shown(oblique.summary.maximum_friction_force, "force");
-  showChart("chart-friction", frictionChart(scene.values["contact.friction"] ?? 0, motion.motion, oblique), `Friction over time: largest ${friction}`);
+  showChart("chart-friction", frictionChart(motion.motion, oblique), `Friction over time: largest ${friction}`);
   const angle = shown(oblique.summary.rebound_angle, "angle", 4);
   showChart("chart-strobe", strobeChart(entriesOf(scene)["impactor.radius"], oblique, summary.rebound_velocity), `Path of the ball: it leaves at ${angle} to the normal`);
 }

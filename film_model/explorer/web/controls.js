@@ -28,9 +28,10 @@ function made(name, attributes, ...children) {
 /** The units in which the reader writes the entries. @type {Record<string, string>} */
 const UNITS = {};
 
-/** @param {any} input @param {number|null} value */
+/** @param {any} input @param {any} value */
 function fieldText(input, value) {
   if (value === null) return "";
+  if (Array.isArray(value)) return tableText(value);
   if (input.dimension === "dimensionless") return String(value);
   const unit = (UNITS[input.path] ??= readableUnit(value, input.dimension));
   return `${shortNumber(value / sizeOf(unit), 12)} ${unit.replaceAll("*", "·")}`;
@@ -105,6 +106,11 @@ function typed(scene, input, text) {
   if (!text.trim()) {
     if (!input.optional) return "a value is needed";
     scene.values[input.path] = null;
+    return "";
+  }
+  const table = tableOfText(input, text);
+  if (table) {
+    scene.values[input.path] = table;
     return "";
   }
   const unit = UNITS[input.path] || input.unit;

@@ -2,10 +2,19 @@
 
 /**
  * What friction did. motion: columns over time, SI. low, high: of the sliding velocity after under two models of a contact that yields, less and plus their errors.
- * @typedef {{summary: Record<string, number>, sliding_regime: string, events: {name: string, time: number}[], estimated_error: number,
+ * table: of friction, speeds and coefficients in turn.
+ * @typedef {{table: number[], summary: Record<string, number>, sliding_regime: string, events: {name: string, time: number}[], estimated_error: number,
  *   motion: {time: Float64Array, sliding_velocity: Float64Array, friction_force: Float64Array}, low: number, high: number,
  *   before: {along: number, away: number, spin: number}}} Oblique
  */
+
+/** The coefficient at a speed, m/s. @param {number[]} table @param {number} speed */
+function frictionAt(table, speed) {
+  const { top, c } = CORE;
+  const found = c.film_friction_at(CORE.numbersAt(table), table.length / 2, speed);
+  CORE.top = top;
+  return found;
+}
 
 /**
  * The motion along the surface; null without friction, or if nothing slides.
@@ -14,16 +23,21 @@
  */
 function obliqueOf(scene, n, problem, summary, own, sample) {
   const { along } = scene.base;
-  if (!along || scene.values["contact.friction"] === null) return null;
+  const friction = scene.values["contact.friction"];
+  if (!along || friction === null) return null;
   const x = entriesOf(scene);
-  const given = FORMULAS[along.sliding](x, problem.p);
-  if (given.velocity === 0) return null;
+  const { velocity } = FORMULAS[along.sliding](x, problem.p);
+  if (velocity === 0) return null;
+  const table = Array.isArray(friction) ? friction : [0, friction];
+  x["contact.friction"] = frictionAt(table, Math.abs(velocity));
+  const given = /** @type {any} */ ({ ...FORMULAS[along.sliding](x, problem.p), table });
   if (Number.isNaN(summary.rebound_velocity)) throw new Unsupported("friction needs a contact that ends");
   const found =
-    given.friction === 0 ? frictionless(given)
-    : exactFriction(given, problem) ?? frictionOfSprings(scene, n, problem, given, summary.rebound_velocity, own, sample);
+    table.length === 2 && given.friction === 0 ? frictionless(given)
+    : (table.length === 2 && exactFriction(given, problem)) || frictionOfSprings(scene, n, problem, given, summary.rebound_velocity, own, sample);
   const { regimes } = DATA.constants.friction;
   return {
+    table,
     summary: FORMULAS[along.oblique](x, summary.rebound_velocity, found.after, ...found.peak),
     sliding_regime: regimes[found.regime],
     events: found.events,
@@ -110,7 +124,7 @@ function frictionOfSprings(scene, n, problem, given, rebound, own, sample) {
   const impulse = n.impactor_mass * (n.speed - rebound) + p.load * p.force * stops[stops.length - 1]; // of the normal force
   const seen = force.reduce((sum, F, k) => sum + (k > 0 ? 0.5 * (F + force[k - 1]) * (time[k] - time[k - 1]) : 0), 0);
   const missed = Math.max(own.error, Math.abs(seen / impulse - 1));
-  const slid = given.velocity - (Math.sign(given.velocity) * given.friction * impulse) / given.mass;
+  const slid = CORE.c.film_friction_slid(CORE.numbersAt(given.table), given.table.length / 2, given.velocity, impulse / given.mass);
   const ends = runs.map((run) => (run.slack <= sliding ? slid : run.velocity[time.length - 1]));
   const before = Math.abs(given.velocity);
   const least = [0, (turn * before) / steps];
@@ -151,13 +165,13 @@ function radiiBeyondYield(force, depth, law, modulus) {
 }
 
 /** Sliding velocity and friction force at the times, and what the core says of them. @param {number} count @param {any} given @param {number[]} begins of contacts @param {number} steps of each @param {Float64Array} time @param {Float64Array} force @param {Float64Array} radius */
-function followSprings(count, { modulus, power, friction, mass, velocity }, begins, steps, time, force, radius) {
+function followSprings(count, { modulus, power, table, mass, velocity }, begins, steps, time, force, radius) {
   const { layout: { springs, watch }, top, c } = CORE;
   const result = CORE.allocate(springs.size);
   const each = begins.map((begin, k) => time[k * (steps + 1) + 1] - begin);
   const [starts, step, ...columns] = [begins, each, force, radius].map((column) => CORE.numbersAt(Array.from(column)));
   const found = CORE.allocate(24 * time.length);
-  const status = c.film_springs_impact(count, modulus, power, mass, velocity, CORE.numbersAt([0, friction]), 1, BigInt(begins.length), starts, step, BigInt(steps), ...columns, result, found);
+  const status = c.film_springs_impact(count, modulus, power, mass, velocity, CORE.numbersAt(table), table.length / 2, BigInt(begins.length), starts, step, BigInt(steps), ...columns, result, found);
   if (status !== 0) throw new Failure(status);
   const rows = new Float64Array(c.memory.buffer, found, 3 * time.length);
   const [v, q] = [0, 1].map((which) => time.map((_, k) => rows[3 * k + which]));
@@ -198,9 +212,11 @@ function warningsOf(oblique, accuracy) {
   return texts;
 }
 
-/** Friction over time between its limits. @param {number} friction @param {Record<string, Float64Array>} normal motion @param {Oblique} oblique @returns {Chart} */
-function frictionChart(friction, normal, { motion }) {
-  const limit = normal.contact_force.map((force) => friction * Math.max(force, 0));
+/** Friction over time between its limits. @param {Record<string, Float64Array>} normal motion @param {Oblique} oblique @returns {Chart} */
+function frictionChart(normal, oblique) {
+  const { motion, table } = oblique;
+  const { sliding_velocity } = alongAt(normal.time, oblique);
+  const limit = normal.contact_force.map((force, k) => frictionAt(table, Math.abs(sliding_velocity[k])) * Math.max(force, 0));
   return {
     title: "Friction",
     x: { label: "time", dimension: "time" },

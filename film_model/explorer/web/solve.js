@@ -1,8 +1,9 @@
 // One impact: which effects are simulated, the mesh, the march, the summary. The formulas are the recorded ones.
 
 /**
- * A scene on the page. base: the scene of DATA from which it comes; values: its entries by path, SI, null if missing.
- * @typedef {{base: any, values: Record<string, number|null>, title: string, materials: Record<string, string>,
+ * A scene on the page. base: the scene of DATA from which it comes; values: its entries by path, SI, null if missing;
+ * a table of friction has speeds and coefficients in turn.
+ * @typedef {{base: any, values: Record<string, any>, title: string, materials: Record<string, string>,
  *   edges: string[], law: string, effects: Record<string, string|boolean>, tolerance: number|null,
  *   solver: {accuracy: number|null, segments: number|null, linearisation: string}}} Scene
  */

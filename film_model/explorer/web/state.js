@@ -4,7 +4,7 @@ const CHOICES = ["auto", "true", "false"];
 
 /** @param {any} base @returns {Scene} */
 function sceneOf(base) {
-  /** @type {Record<string, number|null>} */
+  /** @type {Record<string, any>} */
   const values = {};
   /** @type {Record<string, string>} */
   const materials = {};
@@ -73,7 +73,7 @@ function fragmentOf(scene) {
   if (scene.law !== start.law) found.set("law", scene.law);
   chooseLaw(start, scene.law);
   for (const [path, value] of Object.entries(scene.values)) {
-    if (value !== start.values[path]) found.set(path, String(value));
+    if (String(value) !== String(start.values[path])) found.set(path, Array.isArray(value) ? tableText(value) : String(value));
   }
   for (const [body, name] of Object.entries(scene.materials)) {
     if (name !== start.materials[body]) found.set(`${body}.material`, name);
@@ -106,6 +106,23 @@ function sceneOfFragment(fragment) {
   return { scene, ignored };
 }
 
+/** The pairs of a table of friction as in a scene file. @param {number[]} table @returns {[string, number][]} */
+const pairsOf = (table) => table.flatMap((speed, k) => (k % 2 ? [] : [[`${speed} m/s`, table[k + 1]]]));
+
+/** A table of friction in words, as it is typed too. @param {number[]} table */
+const tableText = (table) => pairsOf(table).map(([speed, friction]) => `${friction} at ${speed}`).join(", ");
+
+/** The table of friction of words; null of others. @param {any} input @param {string} text @returns {number[]|null} */
+function tableOfText(input, text) {
+  if (input.path !== "contact.friction") return null;
+  const table = text.split(",").flatMap((pair) => {
+    const [friction, speed = ""] = pair.split(" at ");
+    return [parseValue(speed, "velocity", "m/s").value ?? NaN, parseValue(friction, "dimensionless", "").value ?? NaN];
+  });
+  const fits = table.every((x, k) => (k % 2 ? inRange(input, x) : x >= 0 && x <= DATA.constants.friction.fastest && !(x <= table[k - 2])));
+  return fits && table.length > 2 ? table : null;
+}
+
 /** Put one entry of a fragment into a scene; whether it is understood. @param {Scene} scene @param {string} key @param {string} text */
 function applied(scene, key, text) {
   const input = inputsOf(scene).find((/** @type {any} */ entry) => entry.path === key);
@@ -113,8 +130,9 @@ function applied(scene, key, text) {
   const between = (/** @type {number} */ low, /** @type {number} */ high) => number >= low && number <= high;
   if (input) {
     const none = text === "null" && input.optional;
-    if (!none && (text.trim() === "" || !inRange(input, number))) return false;
-    scene.values[key] = none ? null : number;
+    const table = tableOfText(input, text);
+    if (!none && !table && (text.trim() === "" || !inRange(input, number))) return false;
+    scene.values[key] = none ? null : (table ?? number);
   } else if (key.endsWith(".material") && key.slice(0, -9) in scene.materials) {
     scene.materials[key.slice(0, -9)] = text.slice(0, 200);
   } else if (key === "target.edges" && scene.base.plate) {
@@ -163,6 +181,7 @@ function tableOf(scene) {
     const owner = path.reduce((/** @type {any} */ at, /** @type {string} */ key) => materialTable(at, key), table);
     const value = scene.values[input.path];
     if (value === null) delete owner[last];
+    else if (Array.isArray(value)) owner[last] = pairsOf(value);
     else owner[last] = input.unit ? `${value} ${input.unit}` : value;
   }
   for (const name of sided) { // without the values that are missing

@@ -73,7 +73,7 @@ function entryRow(scene, input, changed) {
     return value;
   };
   const show = () => {
-    field.value = fieldText(input, scene.values[input.path]);
+    field.title = field.value = fieldText(input, scene.values[input.path]);
     slider.value = String(sliderPlace(input, range, present()));
     slider.setAttribute("aria-valuetext", field.value || field.placeholder);
     field.removeAttribute("aria-invalid");

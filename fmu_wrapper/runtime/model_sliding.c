@@ -19,7 +19,8 @@ int model_update_friction(model *m) {
     size_t rows = (size_t)m->data->friction.rows;
     const double *pair = model_friction_table(m->data);
     if (rows == 0) return 0;
-    if (!m->friction && !(m->friction = malloc(2 * rows * sizeof *m->friction))) return model_error(m, "no memory for the table of friction");
+    if (!m->friction) m->friction = malloc(2 * rows * sizeof *m->friction);
+    if (!m->friction) return model_error(m, "no memory for the table of friction");
     for (double *to = m->friction; to < m->friction + 2 * rows; to += 2, pair += 2) to[0] = pair[0] / velocity_unit(m), to[1] = pair[1];
     return 0;
 }

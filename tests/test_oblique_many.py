@@ -88,6 +88,25 @@ def test_impacts_that_yield_are_solved_by_springs_in_a_batch_too(angle):
     assert finer == pytest.approx(fewer, rel=1e-3)
 
 
+@pytest.mark.parametrize("angle", ["10 deg", "25 deg", "80 deg"])
+def test_batches_and_sweeps_have_the_bounds_of_contacts_that_yield(angle):
+    """At the accuracy of most springs those of single impacts; by fewer both models of these lie within."""
+    scene = slanted(angle, law="elastoplastic", target=fm.HalfSpace("mild steel"))
+    values, names = [0.5, 3.0, 8.0], ["sliding_after_low", "sliding_after_high"]
+    coarse, fine = (fm.simulate_batch(scene, velocity=speeds(values), accuracy=a).oblique for a in (1e-4, 1e-8))
+    for row, text in enumerate(speeds(values)):
+        one = simulate_quietly(scene.replace({"impactor.velocity": text}), accuracy=1e-8).oblique
+        before, error = one.motion["sliding_velocity"][0], coarse["estimated_error"][row]
+        low, high = (coarse[name][row] for name in names)
+        assert [fine[name][row] for name in names] == pytest.approx([one.low, one.high], abs=3e-6 * before)
+        assert low <= coarse["contact_point_rebound_velocity"][row] <= high
+        assert low - error * before <= one.low < one.high <= high + error * before
+    ds = fd.sweep(scene.replace({"solver.accuracy": 1e-4}), {"impactor.velocity": speeds(values)})
+    assert fd.validate(ds) == [] and all(ds[name].values.tolist() == coarse[name].tolist() for name in names)
+    plain = fm.simulate_batch(slanted(), velocity=["1 m/s"]).oblique
+    assert all(np.isnan(plain[name][0]) and plain[name].shape == (1,) for name in names)
+
+
 WALTON = {"loading_stiffness": "40 MN/m", "unloading_stiffness": "80 MN/m"}
 ON_BEAM = fm.Beam("mild steel", "300 mm", "30 mm", "10 mm", static_stiffness="20 MN/m")
 OWN_CURVES = {

@@ -6,24 +6,23 @@ import math
 from typing import TYPE_CHECKING, Any
 
 from film_datasets.schema import HISTORY, TABLE, has, require
-from film_model.oblique.result import KINDS, MOTION, OBLIQUE, REGIMES, Oblique
+from film_model.oblique.result import BOUNDS, KINDS, MOTION, OBLIQUE, REGIMES, RESULTS, Oblique
 
 if TYPE_CHECKING:
     import xarray as xr
 
-REGIME, ERROR, LOW, HIGH = "sliding_regime", "estimated_friction_error", "sliding_after_low", "sliding_after_high"
+REGIME, ERROR = "sliding_regime", "estimated_friction_error"
 
 
 def friction_columns(oblique: Oblique | None) -> dict[str, Any]:
     """The columns of friction; none without it."""
     if oblique is None:
         return {}
-    ends = {LOW: oblique.low, HIGH: oblique.high}
+    known = {**oblique.summary, **oblique.bounds}
     return {
-        **{name: oblique.summary.get(name, math.nan) for name in OBLIQUE},
+        **{name: known.get(name, math.nan) for name in RESULTS},
         REGIME: REGIMES.index(oblique.sliding_regime),
         ERROR: oblique.estimated,
-        **{name: math.nan if value is None else value for name, value in ends.items()},
         **{_own(name): values for name, values in oblique.motion.items()},
         "friction_event_time": [time for time, _ in oblique.events],
         "friction_event_kind": [KINDS.index(kind) for _, kind in oblique.events],
@@ -40,7 +39,7 @@ def read_friction(ds: xr.Dataset) -> Oblique | None:
     times, kinds = (ds[f"friction_event_{name}"].values.tolist() for name in ("time", "kind"))
     events = tuple((time, KINDS[kind]) for time, kind in zip(times, kinds, strict=True))
     motion = {name: ds[_own(name)].values for name in MOTION}
-    low, high = (None if math.isnan(value := float(ds[name])) else value for name in (LOW, HIGH))
+    low, high = (None if math.isnan(value := float(ds[name])) else value for name in BOUNDS)
     return Oblique(summary, REGIMES[int(ds[REGIME])], events, motion, float(ds[ERROR]), low, high)
 
 

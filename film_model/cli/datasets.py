@@ -163,10 +163,10 @@ def _shard(options: argparse.Namespace, asked: Sweep) -> int:
 def _sweep_table(report: dict[str, Any]) -> str:
     """Counts of outcomes, and the range of every summary quantity that has a value, with the impacts that have one."""
     from film_model.base.units import format_si
-    from film_model.oblique.result import OBLIQUE
+    from film_model.oblique.result import RESULTS
     from film_model.problem.summary import SUMMARY
 
-    dimensions = {name: dimension for name, (dimension, _) in (SUMMARY | OBLIQUE).items()}
+    dimensions = {name: dimension for name, (dimension, _) in (SUMMARY | RESULTS).items()}
     ended = ", ".join(f"{count} {word.replace('_', ' ')}" for word, count in report["statuses"].items())
     lines = [report["title"], f"{report['impacts']} impacts: {ended}", ""]
     if report["failed"] == report["impacts"]:

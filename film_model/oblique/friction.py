@@ -10,7 +10,6 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from operator import add, sub
 from typing import Any, cast
 
 import numpy as np
@@ -167,14 +166,11 @@ def _by_springs(
     events = tuple((time, KINDS[kind]) for time, kind in first.phases)
     missed = abs(float(trapezoid(force, times)) / impulse - 1.0)
     before, of_force = abs(float(given.velocity)), error_of_force(max(estimated, missed))
-    least = (0.0, springs.TURN * before / steps)  # by how many steps a model's turn is off
-    errors = [max(run.estimated, turn) + of_force * before for run, turn in zip(runs, least, strict=False)]
     most = int(np.argmax(np.abs(first.force)))
     summary = results(scene, given, rebound, ends[0], (abs(float(first.force[most])), float(times[most])))
-    found = Oblique(summary, regime, events, motion, errors[0] / before)
-    if len(ends) == 1:
-        return found
-    return replace(found, low=min(map(sub, ends, errors)), high=max(map(add, ends, errors)))
+    errors = [run.estimated for run in runs]
+    bounds = springs.bracket(ends, errors, steps, before, of_force) if len(runs) > 1 else (None, None)
+    return Oblique(summary, regime, events, motion, (errors[0] + of_force * before) / before, *bounds)
 
 
 def slid(given: Sliding, impulse: Number) -> Number:

@@ -28,6 +28,15 @@ OBLIQUE: dict[str, tuple[str, str]] = {
 }
 """Results of an oblique impact, with dimension and meaning; those of the target of free bodies only."""
 
+BOUNDS: dict[str, tuple[str, str]] = {
+    "sliding_after_low": ("velocity", "lower sliding velocity after the impact"),
+    "sliding_after_high": ("velocity", "higher sliding velocity after the impact"),
+}
+"""Bounds of that velocity under two models of a contact that yields, with the errors of both; dimension and meaning."""
+
+RESULTS = OBLIQUE | BOUNDS
+"""What a batch or sweep has of each impact."""
+
 REGIMES = ("sticks first", "slides first", "slides throughout")
 
 MOTION: dict[str, tuple[str, str]] = {
@@ -91,15 +100,17 @@ class Oblique:
             return units.quantity(self.summary[name], OBLIQUE[name][0])
         raise AttributeError(name)
 
+    @property
+    def bounds(self) -> dict[str, float]:
+        """`low` and `high` by the names of `BOUNDS`; empty if there are none."""
+        ends = zip(BOUNDS, (self.low, self.high), strict=True)
+        return {name: end for name, end in ends if end is not None}
+
     def to_dict(self) -> dict[str, Any]:
         """Plain values, for JSON, which has no infinite ones and no NaN: None instead."""
         values = {
-            name: {"value": value if math.isfinite(value) else None, "units": units.si_unit(OBLIQUE[name][0])}
-            for name, value in self.summary.items()
-        }
-        ends = {"sliding_after_low": self.low, "sliding_after_high": self.high}
-        values |= {
-            name: {"value": end, "units": units.si_unit("velocity")} for name, end in ends.items() if end is not None
+            name: {"value": value if math.isfinite(value) else None, "units": units.si_unit(RESULTS[name][0])}
+            for name, value in {**self.summary, **self.bounds}.items()
         }
         events = [{"name": name, "time": time} for time, name in self.events]
         return {**values, "sliding_regime": self.sliding_regime, "events": events, "estimated_error": self.estimated}

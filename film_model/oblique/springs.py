@@ -6,9 +6,11 @@ estimated from half and a quarter of both.
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from collections.abc import Sequence
+from operator import add, sub
+from typing import Any, NamedTuple
 
-from film_model.base.arrays import Array
+from film_model.base.arrays import Array, Number, greater, lesser
 from film_model.base.errors import SimulationError
 from film_model.core import springs as core
 from film_model.scene.rolling import Sliding
@@ -30,6 +32,16 @@ TURN = 3.0
 
 SLIDING = 1e-6
 """Share of the impulse of friction that may lack to its limit where the closed form of sliding throughout holds."""
+
+
+def bracket(
+    ends: Sequence[Number] | Array, errors: Sequence[Number] | Array, steps: Number, before: Number, of_force: Number
+) -> Any:
+    """Bounds of the sliding velocity after an impact under two models of a contact that yields, less and plus their
+    errors. ends, errors: of runs in so many steps, m/s. before: of sliding, m/s. of_force: that share of it."""
+    beside = of_force * before
+    off = errors[0] + beside, greater(errors[1], TURN * before / steps) + beside
+    return lesser(*map(sub, ends, off)), greater(*map(add, ends, off))
 
 
 class Run(NamedTuple):

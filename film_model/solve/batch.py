@@ -68,8 +68,9 @@ class BatchResult:
     estimated_accuracy: bound on the relative error of every value of each impact (nan: it failed); estimated: the
     largest. segments: largest numbers per loading stage and of unloading. failed: True where the impact failed (its
     values are nan). varied: the velocities [m/s] and, if given, masses [kg], in the shape of the results. oblique:
-    with friction, arrays by the names of `History.oblique` (nan: nothing slides), its sliding_regime and its
-    estimated_error; else empty.
+    with friction, arrays by the names of `History.oblique` (nan: nothing slides), its sliding_regime, its
+    estimated_error, and sliding_after_low and sliding_after_high, bounds of the sliding velocity after the impact under
+    two models of contacts that yield (nan: it does not); else empty.
     """
 
     summary: dict[str, Array]
@@ -264,4 +265,4 @@ def _one_oblique(found: ManyOblique, scene: Scene, columns: Mapping[str, Array],
     oblique = simulate_chosen(choose(scene_of_row(scene, columns, row)), solver).oblique
     if oblique is not None:
         number = REGIMES.index(oblique.sliding_regime)
-        found.known(row, oblique.summary, number, oblique.estimated)
+        found.known(row, {**oblique.summary, **oblique.bounds}, number, oblique.estimated)

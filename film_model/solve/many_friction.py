@@ -15,7 +15,7 @@ from film_model.core import native
 from film_model.effects.many import rows_of
 from film_model.laws.law import Power
 from film_model.oblique.friction import CLOSED, THROUGHOUT, exact_error, exact_force, numbers_of, refuse, results
-from film_model.oblique.result import OBLIQUE, REGIMES
+from film_model.oblique.result import REGIMES, RESULTS
 from film_model.problem.problem import Problem
 from film_model.scene import Solver
 from film_model.scene.rolling import sliding_of
@@ -25,7 +25,7 @@ from film_model.solve.many_springs import Normal, by_springs, coarseness
 @dataclass(frozen=True)
 class ManyOblique:
     """The tangential parts of many impacts; nan where nothing slides and of impacts that failed or whose contact does
-    not end. summary: arrays, SI, by the names of `OBLIQUE`. regime: numbers in `REGIMES`, −1 for none. estimated: error
+    not end. summary: arrays, SI, by the names of `RESULTS`. regime: numbers in `REGIMES`, −1 for none. estimated: error
     of the sliding velocity after the impact over that before."""
 
     summary: dict[str, Array]
@@ -35,7 +35,7 @@ class ManyOblique:
     @classmethod
     def none_of(cls, count: int) -> ManyOblique:
         """Of impacts that are not known yet."""
-        values = {name: np.full(count, np.nan) for name in OBLIQUE}
+        values = {name: np.full(count, np.nan) for name in RESULTS}
         return cls(values, np.full(count, -1, np.int8), np.full(count, np.nan))
 
     def arrays(self) -> dict[str, NDArray[Any]]:
@@ -50,13 +50,15 @@ class ManyOblique:
         self.regime[rows], self.estimated[rows] = regime, estimated
 
 
-def oblique_of_many(problems: Iterable[Problem], normal: Normal, solver: Solver) -> tuple[ManyOblique, Index]:
+def oblique_of_many(
+    problems: Iterable[Problem], normal: Normal, solver: Solver, bounded: bool = True
+) -> tuple[ManyOblique, Index]:
     """The tangential parts of impacts whose normal motions are known; the rows of those that are left, such as on
     targets that vibrate.
 
     Impacts of laws whose friction is exact take one call of the core, which looks up those under Hertz's law on
-    immovable targets if the accuracy allows it; springs follow others, as many as the accuracy needs. Raises
-    SimulationError as :func:`oblique_of`.
+    immovable targets if the accuracy allows it; springs follow others, as many as the accuracy needs. bounded: with
+    `BOUNDS` of laws that yield. Raises SimulationError as :func:`oblique_of`.
     """
     found, ended = ManyOblique.none_of(normal.status.size), normal.status == native.EVENT
     left, coarse = ended.copy(), coarseness(solver)
@@ -69,14 +71,14 @@ def oblique_of_many(problems: Iterable[Problem], normal: Normal, solver: Solver)
                 left[own] &= ~_exactly(found, part, normal.rebound[own], ended[own], coarse)
         others = np.flatnonzero(left[rows])
         if others.size:
-            left[_by_springs(found, problem.part(others), normal.of(rows[others]), solver)] = False
+            left[_by_springs(found, problem.part(others), normal.of(rows[others]), solver, bounded)] = False
     return found, left.nonzero()[0]
 
 
-def _by_springs(found: ManyOblique, problem: Problem, normal: Normal, solver: Solver) -> Index:
+def _by_springs(found: ManyOblique, problem: Problem, normal: Normal, solver: Solver, bounded: bool) -> Index:
     """Put in the results by springs; the rows of impacts that are done with."""
     rows = rows_of(problem)
-    known, summary, regime, estimated = by_springs(problem, normal, solver)
+    known, summary, regime, estimated = by_springs(problem, normal, solver, bounded)
     slides = known & (estimated == estimated)
     found.known(
         rows[slides], {name: value[slides] for name, value in summary.items()}, regime[slides], estimated[slides]

@@ -71,4 +71,4 @@ def _impacts(scene: Scene, columns: Mapping[str, Array]) -> ManyOblique:
         status[rows], segments[rows] = made.status, made.segments
         rebound[rows], duration[rows] = values["rebound_velocity"], values["contact_duration"]
         estimated[rows] = made.estimated
-    return oblique_of_many(problems, Normal(status, segments, rebound, duration, estimated), solver)[0]
+    return oblique_of_many(problems, Normal(status, segments, rebound, duration, estimated), solver, bounded=False)[0]

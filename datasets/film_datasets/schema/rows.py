@@ -11,7 +11,7 @@ from film_datasets.schema.variable import BYTE, FLOAT, INTEGER, LONG, TEXT, Vari
 from film_model.base.errors import STATUSES
 from film_model.base.units import si_unit
 from film_model.core.native import EVENTS, PHASES
-from film_model.oblique.result import KINDS, OBLIQUE, REGIMES
+from film_model.oblique.result import BOUNDS, KINDS, OBLIQUE, REGIMES
 from film_model.problem.scales import Scales
 from film_model.solve import sensed
 from film_model.solve.bounce import COLUMNS
@@ -40,7 +40,8 @@ MEASURED_MOTION = {
 _TYPES = {"float": FLOAT, "byte": BYTE, "integer": INTEGER, "long": LONG, "text": TEXT}
 
 _EACH: dict[str, Mapping[str, tuple[str, str]]] = {
-    **{"motion": MOTION, "measured motion": MEASURED_MOTION, "summary": SUMMARY, "oblique": OBLIQUE},
+    **{"motion": MOTION, "measured motion": MEASURED_MOTION, "summary": SUMMARY},
+    **{"oblique": OBLIQUE, "bounds": BOUNDS},
     **{"sensed": sensed.MOTION, "strain": sensed.STRAIN, "bounces": COLUMNS, "bodies": BODIES, "contacts": CONTACTS},
     "compared": {name: SUMMARY[name] for name in COMPARED},
     "scales": {scale.name: (scale.name, "") for scale in fields(Scales)},

@@ -18,7 +18,7 @@ from film_datasets.schema.derivative_variables import derivatives_in
 from film_datasets.schema.rows import OUT_OF_RANGE, PARTS
 from film_datasets.schema.sensor_variables import FORCE_INTERVAL, peaks_in
 from film_datasets.schema.variable import Variable, swept_name, swept_variables
-from film_model.oblique.result import OBLIQUE
+from film_model.oblique.result import BOUNDS, OBLIQUE
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -85,7 +85,7 @@ ADDED: dict[str, dict[str, tuple[str, ...]]] = {
         "1.2": ("scene_key",),
         **{"1.3": (), "1.4": (), "1.5": _names(f"{SWEEP} steps")},
         "1.6": _names(f"{SWEEP} friction"),
-        "1.7": (),
+        **{"1.7": (), "1.8": tuple(BOUNDS)},
     },
     MEASUREMENT: {
         **{"1.0": (), "1.1": (), "1.2": ("row_number", "complete", "held_out", "matter", "input_uncertainty")},

@@ -10,7 +10,7 @@ import numpy as np
 from film_datasets.provenance import warnings_of
 from film_datasets.schema import RAGGED, flag_meanings, has_failed, pieces, require_impacts
 from film_model.base.units import si_unit
-from film_model.oblique.result import OBLIQUE
+from film_model.oblique.result import RESULTS
 from film_model.solve.history import SUMMARY
 
 if TYPE_CHECKING:
@@ -41,7 +41,7 @@ def sweep_report(ds: xr.Dataset) -> dict[str, Any]:
         "statuses": {words[code]: counts[code] for code in sorted(counts, key=lambda code: -counts[code])},
         "summary": {
             name: {**statistics(ds[name]), "units": si_unit(dimension)}
-            for name, (dimension, _) in (SUMMARY | OBLIQUE).items()
+            for name, (dimension, _) in (SUMMARY | RESULTS).items()
             if name in ds
         },
         "accuracy": {

@@ -8,6 +8,7 @@ import pytest
 import film_model as fm
 from film_model.core import friction, native
 from film_model.core.springs import radii
+from film_model.oblique.friction import oblique_of
 from film_model.solve.simulate import simulate_quietly
 
 STEEL = {"youngs_modulus": "210 GPa", "poissons_ratio": 0.3, "density": "7850 kg/m^3"}
@@ -146,6 +147,39 @@ def test_radii_of_a_contact_that_yields():
     assert first[201:] == pytest.approx(0.9 * np.sqrt((depth[201:] - 0.4) / 0.6), abs=1e-15)
     force[-1] = 1e-21
     assert np.array_equal(radii(force, depth, law, 0.75)[0], first)
+
+
+def test_radii_of_contacts_that_follow_each_other():
+    """A later contact changes nothing before it; it is in the dent as far as that is deep, beyond it the law's."""
+    way = np.linspace(0.0, 1.0, 101)
+    rows = []
+    for begin, top, end in ((0.0, 1.0, 0.4), (0.4, 0.8, 0.4), (0.4, 1.5, 0.6)):
+        depth = np.concatenate([begin + (top - begin) * way, end + (top - end) * way[-2::-1]])
+        force = np.concatenate([depth[:101] - begin, np.maximum(2.0 * (depth[101:] - end), 0.0)])
+        rows.append((force, depth, 0.9 * np.sqrt(depth)))
+    force, depth, law = (np.concatenate(column) for column in zip(*rows, strict=True))
+    found = [radius.reshape(3, -1) for radius in radii(force, depth, law, 0.75, contacts=3)]
+    for several, alone in zip(found, radii(*rows[0], 0.75), strict=True):
+        assert np.array_equal(several[0], alone)
+    in_dent = 0.9 * np.sqrt(np.maximum(depth.reshape(3, -1) - 0.4, 0.0) / 0.6)
+    assert found[0][1, 1:-1] == pytest.approx(in_dent[1, 1:-1], abs=1e-14)
+    beyond = rows[2][1] > 1.0
+    assert found[0][2, 1:101] == pytest.approx(np.where(beyond, rows[2][2], in_dent[2])[1:101], abs=1e-14)
+
+
+def test_the_motion_in_a_contact_does_not_depend_on_later_ones():
+    ball = fm.Sphere("10 mm", "2 m/s", material="bearing steel", angle="25 deg")
+    law = fm.Contact("thornton", yield_pressure="1 GPa", friction=0.2)
+    history = simulate_quietly(fm.Scene(ball, fm.Beam("mild steel", "200 mm", "40 mm", "4 mm"), law))
+    times = [[e.time for e in history.events if e.name == f"contact_{what}"] for what in ("begins", "ends")]
+    first = [column[:1] for column in times]
+    alone = oblique_of(history.scene, history.problem, history.rebound_velocity.m, history.sample_si, first, 1e-6)
+    assert len(times[0]) == 2
+    peaks = [history.sample_si(np.linspace(*ends, 200)).indentation.max() for ends in zip(*times, strict=True)]
+    assert peaks[1] > peaks[0]
+    count = alone.motion["time"].size
+    for name in ("sliding_velocity", "friction_force"):
+        assert np.array_equal(history.oblique.motion[name][:count], alone.motion[name])
 
 
 def test_the_bodies_are_apart_before_the_deepest_contact():

@@ -93,14 +93,14 @@ def many(count: int, numbers: Array, friction: Array, force: Array, radius: Arra
     return found
 
 
-def radii(force: Array, depth: Array, law: Array, modulus: float) -> tuple[Array, Array]:
+def radii(force: Array, depth: Array, law: Array, modulus: float, contacts: int = 1) -> tuple[Array, Array]:
     """Contact radii of contacts that yield by two models, at recorded forces and depths, of one or (impacts, times).
-    law: radii of the law."""
+    law: radii of the law. contacts: how many follow each other in each impact, with as many times."""
     force, depth, law = (np.ascontiguousarray(values, np.float64) for values in (force, depth, law))
     first, second = np.empty(force.shape), np.empty(force.shape)
     at = [array.ctypes.data for array in (force, depth, law, first, second)]
     count = force.shape[-1]
-    _library().film_springs_radii(force.size // count, count, *at[:3], modulus, *at[3:])
+    _library().film_springs_radii(force.size // count, contacts, count // contacts, *at[:3], modulus, *at[3:])
     return first, second
 
 

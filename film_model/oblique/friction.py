@@ -155,7 +155,7 @@ def _by_springs(
     seen = sample(times.ravel())
     force, depth = np.maximum(seen.contact_force, 0.0), np.asarray(seen.indentation)
     power = springs_core.power(problem.curve.native)
-    models = [radius.reshape(times.shape) for radius in contact_radii(problem, depth, force)]
+    models = [radius.reshape(times.shape) for radius in contact_radii(problem, depth, force, len(times))]
     runs = [springs.tangential(given, power, times, force.reshape(times.shape), radius) for radius in models]
     first, times = runs[0], times.ravel()
     moved = np.concatenate([[0.0], np.cumsum(0.5 * (first.velocity[1:] + first.velocity[:-1]) * np.diff(times))])
@@ -192,12 +192,13 @@ def normal_impulse(scene: Scene, problem: Problem, rebound: Number, duration: Nu
     return scene.mass * (scene.impactor.speed - rebound) + load * duration
 
 
-def contact_radii(problem: Problem, depth: Array, force: Array) -> list[Array]:
+def contact_radii(problem: Problem, depth: Array, force: Array, contacts: int = 1) -> list[Array]:
     """Contact radii of one impact at times, m, by which its springs hold: of a law that yields under two models, else
-    F′(δ)/(2 E*) of the force without damping, the radius of any elastic contact. depth: m. force: F ≥ 0, N."""
+    F′(δ)/(2 E*) of the force without damping, the radius of any elastic contact. depth: m. force: F ≥ 0, N. contacts:
+    how many follow each other."""
     modulus = cast("float", problem.scene.effective_modulus)
     if not problem.curve.reversible:
-        return [*springs_core.radii(force, depth, radius_beyond_yield(problem, depth, force), modulus)]
+        return [*springs_core.radii(force, depth, radius_beyond_yield(problem, depth, force), modulus, contacts)]
     return [elastic_radius(problem.curve.native, problem.scales, modulus, depth, force)]
 
 

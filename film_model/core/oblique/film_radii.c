@@ -23,8 +23,18 @@ static double recorded_slope(int64_t i, int64_t begin, int64_t end, const double
          + before / (after * both) * force[i + 1];
 }
 
-static void radii_of_one(int64_t count, const double *force, const double *depth, const double *law, double modulus, double *first,
-                         double *second) {
+/* What the deepest contact has left: its largest depth and radius, and the depth at which it ended. */
+typedef struct {
+    double deepest, whole, left;
+} dent;
+
+static double in_dent(const dent *d, double depth) {
+    double way = fmax(d->deepest - d->left, 1e-300); /* 1e-300: no division by 0 */
+    return d->whole * sqrt(fmin(fmax((depth - d->left) / way, 0.0), 1.0));
+}
+
+static void radii_of_contact(int64_t count, const double *force, const double *depth, const double *law, double modulus, dent *d,
+                             double *first, double *second) {
     int64_t turn = 0;
     double left = 0.0;
     for (int64_t i = 0; i < count; i++) {
@@ -32,16 +42,14 @@ static void radii_of_one(int64_t count, const double *force, const double *depth
         /* where contact ends: at the last force itself rounding would decide, which may leave a force of 0 or 1e-20 */
         if (force[i] > 0.0) left = depth[i + 1 < count ? i + 1 : i];
     }
-    double whole = 0.0, way = fmax(depth[turn] - left, 1e-300); /* 1e-300: no division by 0 */
     for (int64_t i = 0; i < count; i++) {
-        double in_dent = whole * sqrt(fmin(fmax((depth[i] - left) / way, 0.0), 1.0));
         int in_loading = i <= turn;
         double slope = recorded_slope(i, in_loading ? 0 : turn + 1, in_loading ? turn : count - 1, force, depth) / (2.0 * modulus);
         first[i] = second[i] = 0.0;
         if (!(force[i] > 0.0)) continue;
-        first[i] = in_loading ? kept(law[i], i, depth, first) : in_dent;
+        first[i] = in_loading && depth[i] > d->deepest ? kept(law[i], i, depth, first) : in_dent(d, depth[i]);
         second[i] = in_loading ? kept(slope, i, depth, second) : known(slope);
-        if (i == turn) whole = first[i];
+        if (i == turn && depth[i] > d->deepest) *d = (dent){depth[i], first[i], left};
     }
     if (turn == 0 || turn + 1 == count || !(force[turn] > 0.0 && force[turn + 1] > 0.0)) return;
     /* the second jumps at the turn, which lies between times: where a parabola through three depths has it, springs are met on average */
@@ -49,11 +57,12 @@ static void radii_of_one(int64_t count, const double *force, const double *depth
     if (before + after > 0.0) second[turn] += (second[turn + 1] - second[turn]) * (after / (before + after));
 }
 
-void film_springs_radii(int64_t impacts, int64_t count, const double *force, const double *depth, const double *law, double modulus,
-                        double *first, double *second) {
+void film_springs_radii(int64_t impacts, int64_t contacts, int64_t count, const double *force, const double *depth, const double *law,
+                        double modulus, double *first, double *second) {
     for (int64_t i = 0; i < impacts; i++) {
-        int64_t at = i * count;
-        radii_of_one(count, force + at, depth + at, law + at, modulus, first + at, second + at);
+        dent d = {-INFINITY, 0.0, 0.0};
+        for (int64_t at = i * contacts * count; at < (i + 1) * contacts * count; at += count)
+            radii_of_contact(count, force + at, depth + at, law + at, modulus, &d, first + at, second + at);
     }
 }
 

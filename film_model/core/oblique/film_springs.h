@@ -116,11 +116,12 @@ double film_contact_slope(const film_curve *curve, const film_line *line, double
 /* That slope of a reversible law at forces and indentations of the march; 0 without force. It is 2 E_star times the contact radius. */
 FILM_API void film_springs_slopes(const film_curve *curve, int64_t count, const double *force, const double *depth, double *slope);
 
-/* Contact radii of contacts that yield, `count` of each, at recorded forces and depths: first those of its law
- * in loading, shrinking from the turn on as a ball's in its dent; second those of an elastic contact with the slope of its force,
- * F' = 2 modulus a. Neither shrinks in loading. modulus: E_star. law: radii of the law, not finite if unknown; read up to the turn only. */
-FILM_API void film_springs_radii(int64_t impacts, int64_t count, const double *force, const double *depth, const double *law, double modulus,
-                                 double *first, double *second);
+/* Contact radii of impacts of contacts that yield and follow each other, `count` of each, at recorded forces and depths: first those of
+ * its law in loading beyond the contacts before, elsewhere as a ball's in the dent of the deepest; second those of an elastic contact with
+ * the slope of its force, F' = 2 modulus a. Neither shrinks in loading. modulus: E_star. law: radii of the law, not finite if unknown; read
+ * up to the turn only. */
+FILM_API void film_springs_radii(int64_t impacts, int64_t contacts, int64_t count, const double *force, const double *depth, const double *law,
+                                 double modulus, double *first, double *second);
 
 /* sizeof film_springs, film_springs_brief. */
 FILM_API void film_springs_sizes(int64_t sizes[2]);

@@ -116,7 +116,7 @@ function frictionOfSprings(scene, n, problem, given, rebound, own, sample) {
   const normal = Array.from(time, (t, k) => convert(p, t, values, 5 * k));
   const force = Float64Array.from(normal, (row) => Math.max(row.contact_force, 0));
   const depth = Float64Array.from(normal, (row) => row.indentation);
-  const radii = law.dissipates ? radiiBeyondYield(force, depth, force.map((F, k) => FORMULAS.contactRadius(p, n, F, depth[k]).radius), n.effective_modulus)
+  const radii = law.dissipates ? radiiBeyondYield(begins.length, force, depth, force.map((F, k) => FORMULAS.contactRadius(p, n, F, depth[k]).radius), n.effective_modulus)
     : [elasticRadii(curve, p, force, depth, n.effective_modulus)];
   const power = CORE.c.film_springs_power(curve);
   const runs = radii.map((radius) => followSprings(springs, { ...given, power }, begins, steps, time, force, radius));
@@ -153,12 +153,12 @@ function elasticRadii(curve, p, force, depth, modulus) {
   return radii;
 }
 
-/** Contact radii of a contact that yields, by two models. @param {Float64Array} force @param {Float64Array} depth @param {Float64Array} law @param {number} modulus */
-function radiiBeyondYield(force, depth, law, modulus) {
+/** Contact radii of contacts that yield and follow each other, by two models. @param {number} contacts @param {Float64Array} force @param {Float64Array} depth @param {Float64Array} law @param {number} modulus */
+function radiiBeyondYield(contacts, force, depth, law, modulus) {
   const { top, c } = CORE;
   const given = [force, depth, law].map((column) => CORE.numbersAt(Array.from(column)));
   const found = [0, 1].map(() => CORE.allocate(8 * force.length));
-  c.film_springs_radii(1n, BigInt(force.length), ...given, modulus, ...found);
+  c.film_springs_radii(1n, BigInt(contacts), BigInt(force.length / contacts), ...given, modulus, ...found);
   const radii = found.map((place) => new Float64Array(c.memory.buffer, place, force.length).slice());
   CORE.top = top;
   return radii;

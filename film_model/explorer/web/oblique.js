@@ -64,11 +64,11 @@ function exactFriction(given, { law, p, vibrates, compliance }) {
   const [slope, coefficient, exponent] = law.power;
   const values = { slope, coefficient, exponent, approach: p.approach, gamma: p.gamma, load: p.load };
   for (const [name, value] of Object.entries(values)) CORE.view().setFloat64(start + normal[name], value, true);
-  let [room, status, rows] = [512, FULL, 0];
+  let [room, status, rows] = [4096, FULL, 0];
   for (const above = CORE.top; status === FULL && room < 1e5; room *= 4) {
     CORE.top = above;
     rows = CORE.allocate(48 * room);
-    status = c.film_friction(start, given.rate, given.before, 0, result, rows, 4, room, count);
+    status = c.film_friction(start, given.rate, given.before, 0, result, rows, 64, room, count); // 64 rows a step: lines between them are within 2e-5
   }
   CORE.top = top;
   const view = CORE.view();

@@ -258,7 +258,7 @@ class Chain(InUnits):
 
     def _wrong_target(self) -> list[Mistake]:
         """Mistakes of a target that vibrates, and of the points where it is touched."""
-        from film_model.targets.several import compliance
+        from film_model.targets.several import struck_at
 
         target, wrong = self.target, dict[str, str]()
         assert target is not None
@@ -273,7 +273,7 @@ class Chain(InUnits):
         else:
             for point in {link.at for link in self.links if None in link[:2]}:
                 try:
-                    compliance(target, point)
+                    struck_at(target, point)
                 except SceneError as error:
                     wrong[f"sensor {shown(point)}"] = error.mistakes[0].message
         return [Mistake(None, None, key, what) for key, what in wrong.items()]

@@ -232,7 +232,7 @@ def simulate_chain_quietly(chain: Chain) -> ChainMotion:
     scales = _Scales.of(chain, contacts)
     run = _runner(chain, contacts, scales)
     if chain.vibrates:
-        first, inexact = first_frequency(chain, contacts), Structure.of(chain).inexact(chain.accuracy)
+        first, inexact = first_frequency(chain, contacts), Structure.of(chain).inexact
         damped = any(contact.law.damped for contact in contacts)
         fine, followed, estimated = refined(run, _difference, chain.accuracy, first, damped, inexact)
         _raise_failure(chain, fine, contacts, scales)

@@ -20,9 +20,9 @@ from film_model.core import chaining, native
 from film_model.problem.chain_contacts import ChainContact, speed_of
 from film_model.scene.chain import Chain, Link
 from film_model.solve.structures import ABOVE, MOST_MODES, rounded
-from film_model.solve.vibration import FIRST_PHASE, NEGLIGIBLE, error_of
-from film_model.targets import AbstractTarget
-from film_model.targets.several import compliance, seen
+from film_model.solve.vibration import FIRST_PHASE, error_of
+from film_model.targets import AbstractTarget, Modes
+from film_model.targets.several import omitted, seen
 
 STEP = 0.01
 """Tolerance of a step over the accuracy."""
@@ -65,10 +65,10 @@ class Structure:
             return -1, 0
         return self.points.index(link.at), 1 if link.behind is None else -1
 
-    def inexact(self, accuracy: float) -> bool:
-        """Whether an error of the static compliances may matter."""
-        known = (compliance(self.target, point) for point in self.points if self.target is not None)
-        return any(error > NEGLIGIBLE * accuracy * soft for soft, error in known)
+    @property
+    def inexact(self) -> bool:
+        """Whether the static compliances have errors."""
+        return self.target is not None and self.target.compliance_error > 0.0
 
     def at_links(self, chain: Chain, points: Array) -> Array:
         """Of the motions of the points, (points, times), that at each link; 0 away from the target."""
@@ -89,14 +89,14 @@ class Structure:
 def _vibrations(target: AbstractTarget, points: tuple[str, ...], highest: float, softer: bool) -> chaining.Vibrations:
     """The same in SI. A vibration stands for those above the highest at each point."""
     found = seen(target, points, highest)
-    count, bends = found.frequency.size, found.frequency > 0.0
+    count = found.frequency.size
     if count > MOST_MODES:
         raise TooManyModes(f"{count} natural vibrations would be needed, more than {MOST_MODES}: give a lower accuracy")
     more = np.zeros((len(found.shapes), len(points)))
     for k, point in enumerate(points):
-        soft, error = compliance(target, point)
-        lacking = soft - float(((found.shapes[k, bends] / found.frequency[bends]) ** 2).sum())
-        more[k, k] = math.sqrt(max(lacking, 0.0) * (lacking > ROUNDING * soft) + error * softer)
+        modes = Modes(found.frequency, found.shapes[k] ** 2)
+        lacking, error = omitted(target, point, modes, highest)
+        more[k, k] = math.sqrt(lacking * (lacking > ROUNDING * modes.compliance) + error * softer)
     above = np.full(len(points), ABOVE * highest)
     frequency = np.append(found.frequency, above)
     drag = np.append(2.0 * found.ratio * found.frequency, 0.0 * above)
@@ -123,8 +123,8 @@ def refined(
     """The run with as many vibrations as the accuracy needs, how it was followed, and its error estimate.
 
     first: highest frequency of the first run, rad/s. It is doubled until three runs agree, as in
-    `film_model.solve.vibration.vibrate`. damped: whether a law is. inexact: whether the static compliances have errors
-    that may matter; their effect is that of one more run.
+    `film_model.solve.vibration.vibrate`. damped: whether a law is. inexact: whether the static compliances have
+    errors; their effect is that of one more run.
     """
     followed, runs, work, estimated = [Followed(first, STEP * accuracy)], list[chaining.Run](), 0, math.inf
     while True:

@@ -36,11 +36,12 @@ SLOWEST = 2.0**-20
 @dataclass(frozen=True)
 class Structure:
     """A target's modes up to the frequency `highest` [rad/s], with the core's tables, which are kept. omitted: the
-    remaining compliance."""
+    remaining compliance, m/N. error: bound on its error."""
 
     highest: float
     tables: modal.Tables
     omitted: float
+    error: float
     with_omitted: modal.Tables
     """The same with one more mode of the omitted compliance."""
 
@@ -113,9 +114,13 @@ def made(target: AbstractTarget, highest: float, longest: float, carried: int = 
         tables = modal.Tables(modes.frequency, modes.share, modes.damping_ratio, longest, forms)
     except ValueError as error:
         raise SimulationError(f"the target's natural vibrations cannot be simulated: {error}") from None
-    omitted = target.omitted(modes, highest)
+    omitted, error = target.omitted_and_error(modes, highest)
     return Structure(
-        highest, tables, omitted, _with_omitted(modes, omitted, highest, longest, forms) if omitted > 0.0 else tables
+        highest,
+        tables,
+        omitted,
+        error,
+        _with_omitted(modes, omitted, highest, longest, forms) if omitted > 0.0 else tables,
     )
 
 

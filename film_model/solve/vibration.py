@@ -63,7 +63,7 @@ UNRESOLVED = 0.25
 """Highest frequency over that of the first run, below which the contact is not resolved and the scene is refused."""
 
 NEGLIGIBLE = 1e-3
-"""Error of the static compliance that does not matter, over that of contact and target, and over the accuracy."""
+"""Error of the omitted compliance that does not matter, over that and the contact's, and over the accuracy."""
 
 HIGHEST = 64.0
 """Highest frequency over that of the first run, where more modes cannot be computed, or where the omitted compliance is
@@ -168,13 +168,13 @@ def vibrate(
     coarse, found = runs
     if recorded and not found.met.size:
         found = _recorded(problem, found)
-    changes = _target_errors(problem, target, modes(coarse.highest), coarse, accuracy)
+    changes = _target_errors(problem, (few := modes(coarse.highest)), coarse, accuracy)
     own = float(max(changes.values(), default=0.0))
     if own > accuracy or estimated <= accuracy < estimated + own:
-        known, poor = target.compliance_error / (target.compliance or 1.0), _above(changes, min(accuracy, 0.99 * own))
+        known, poor = few.error / few.omitted if few.omitted else 1.0, _above(changes, min(accuracy, 0.99 * own))
         warnings.append(
-            f"accuracy {accuracy:g} is not reached: the static deflection of the {target.kind} is known within "
-            f"{known:.1e}, which changes at most {poor}; with two opposite edges simply supported it is exact"
+            f"accuracy {accuracy:g} is not reached: how far vibrations above those that are followed deflect the "
+            f"{target.kind} is known within {known:.1e}, which changes at most {poor}"
         )
     if carried:
         fewer = structures.structure_of(target, found.highest, unit, carried // 2)
@@ -203,13 +203,13 @@ def _membrane_error(
 
 
 def _target_errors(
-    problem: Problem, target: AbstractTarget, structure: structures.Structure, found: Vibration, accuracy: float
+    problem: Problem, structure: structures.Structure, found: Vibration, accuracy: float
 ) -> dict[str, float]:
-    """Relative changes of the summary by the error of the static compliance: from a run with fewer modes than the last
-    and one with more compliance; far above the error on clamped beams of 3 m. None if it is too small to matter."""
-    core, scales, error = found.summary, problem.scales, target.compliance_error
+    """Relative changes of the summary by the error of the omitted compliance: from a run with fewer modes than the last
+    and one with more compliance. None if it is too small to matter."""
+    core, scales, error = found.summary, problem.scales, structure.error
     soft = core.maximum_indentation / core.maximum_force * scales.length / scales.force if core.maximum_force else 0.0
-    if error <= NEGLIGIBLE * accuracy * (soft + (target.compliance or 0.0)):
+    if error <= NEGLIGIBLE * accuracy * (soft + structure.omitted):
         return {}
     other = run(problem, structures.softer(structure, error), found.start.tolerance, found.start.limit, recorded=False)
     return differences(problem, core, other.summary)

@@ -18,7 +18,7 @@ from film_model.base.units import Value
 from film_model.targets.beam_theory import Line, beam_shear_coefficient, line_compliance, line_modes
 from film_model.targets.membrane import membrane_forms, plate_membrane
 from film_model.targets.modes import Array, Modes, Points, pulse_response
-from film_model.targets.panel_statics import compliance_and_error, panel_compliance
+from film_model.targets.panel_statics import panel_compliance
 from film_model.targets.plate_shear import shear_around
 from film_model.targets.plate_waves import plate_stiffness
 from film_model.targets.ritz import Panel, panel_modes
@@ -133,21 +133,12 @@ class Beam(AbstractTarget):
         """Static deflection over force at the struck point, m/N."""
         if self.static_stiffness is not None:
             return 1 / self.static_stiffness
-        if self.wide:
-            return panel_compliance(self._strip, (self.struck, self.width / 2))
-        return line_compliance(self._line, self.struck)
+        return panel_compliance(*self.panel) if self.panel else line_compliance(self._line, self.struck)
 
     @property
-    def compliance_error(self) -> float:
-        """Bound on the error of the static deflection over force of a wide beam, m/N: of Ritz's method."""
-        if self.stiffness_given or not self.wide:
-            return 0.0
-        return compliance_and_error(self._strip, (self.struck, self.width / 2))[1]
-
-    @property
-    def stiffness_given(self) -> bool:
-        """Whether `static_stiffness` is given."""
-        return self.static_stiffness is not None
+    def panel(self) -> tuple[Panel, tuple[float, float]] | None:
+        """A wide beam as a plate with two free edges."""
+        return (self._strip, (self.struck, self.width / 2)) if self.wide and not self.stiffness_given else None
 
     @property
     def wide(self) -> bool:

@@ -246,11 +246,6 @@ class Plate(AbstractTarget):
         return 1.0 / (rate / min(self.size) ** 2 * math.pi)
 
     @property
-    def stiffness_given(self) -> bool:
-        """Whether `static_stiffness` is given."""
-        return self.static_stiffness is not None
-
-    @property
     def compliance(self) -> float | None:
         """Static deflection over force at the struck point, m/N; None if unknown."""
         return self._static[0]
@@ -269,6 +264,12 @@ class Plate(AbstractTarget):
         if self.theory == "mindlin":
             return thick_compliance(self._thick, self.struck)
         return compliance_and_error(self._panel, self.struck)
+
+    @property
+    def panel(self) -> tuple[Panel, tuple[float, float]] | None:
+        """A plate that Kirchhoff's theory gives no closed form."""
+        known = self.stiffness_given or not self.finite or (self._simple and not self.foundation_stiffness)
+        return None if known or self.theory == "mindlin" else (self._panel, self.struck)
 
     @property
     def modes_missing(self) -> str:

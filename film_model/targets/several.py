@@ -11,6 +11,7 @@ import numpy as np
 from film_model.base.arrays import Array
 from film_model.base.fields import build, table_of
 from film_model.targets.beam import Beam
+from film_model.targets.modes import Modes
 from film_model.targets.plate import Plate
 from film_model.targets.sensors import Sensor
 from film_model.targets.structure import Structure
@@ -56,19 +57,19 @@ def seen(target: AbstractTarget, points: Sequence[str], highest: float) -> Seen:
     return Seen(modes.frequency[kept], modes.damping_ratio[kept], shapes)
 
 
-def compliance(target: AbstractTarget, point: str) -> tuple[float, float]:
-    """Static deflection over force at a point, m/N, and a bound on its error; of a structure by its vibrations there.
+def omitted(target: AbstractTarget, point: str, modes: Modes, highest: float) -> tuple[float, float]:
+    """Static deflection over force at a point of the vibrations above `highest` [rad/s], m/N, and a bound on its error.
+    modes: those up to it, as seen there."""
+    if point == STRUCK or not isinstance(target, Structure):
+        return struck_at(target, point).omitted_and_error(modes, highest)
+    found = seen(target, [point], math.inf)
+    above = found.frequency > highest
+    return float(((found.shapes[0, above] / found.frequency[above]) ** 2).sum()), 0.0
 
-    Raises SceneError where a support holds the point.
-    """
-    if isinstance(target, Structure):
-        if point == STRUCK:
-            return target.compliance, 0.0
-        found = seen(target, [point], math.inf)
-        bends = found.frequency > 0.0
-        return float(((found.shapes[0, bends] / found.frequency[bends]) ** 2).sum()), 0.0
-    there = _moved(target, _place(target, point), None)
-    return there.compliance or 0.0, there.compliance_error
+
+def struck_at(target: AbstractTarget, point: str) -> AbstractTarget:
+    """A plate or beam struck at a point; SceneError where a support holds it. A structure as it is."""
+    return target if isinstance(target, Structure) else _moved(target, _place(target, point), None)
 
 
 def _moved(target: AbstractTarget, place: tuple[float, ...], sensors: tuple[Sensor, ...] | None) -> AbstractTarget:

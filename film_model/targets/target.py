@@ -26,6 +26,8 @@ from film_model.base.errors import Mistake, SimulationError
 from film_model.base.fields import InUnits, fill, measure, mistake
 from film_model.base.materials import Material
 from film_model.targets.modes import Array, Modes
+from film_model.targets.panel_statics import compliance_and_error, omitted_compliance
+from film_model.targets.ritz import Panel
 from film_model.targets.sensors import Sensor
 from film_model.targets.surface_strain import Rows, surface_strains
 
@@ -158,12 +160,17 @@ class AbstractTarget(InUnits, ABC):
     @property
     def compliance_error(self) -> float:
         """Bound on the error of `compliance`, m/N, where it is computed and neither given nor in closed form."""
-        return 0.0
+        return compliance_and_error(*self.panel)[1] if self.panel else 0.0
+
+    @property
+    def panel(self) -> tuple[Panel, tuple[float, float]] | None:
+        """The plate whose static deflection Lévy's series or Ritz's method gives, and the struck point; or None."""
+        return None
 
     @property
     def stiffness_given(self) -> bool:
         """Whether the scene gives the static stiffness, so that it is not computed from the structure."""
-        return False
+        return getattr(self, "static_stiffness", None) is not None
 
     @property
     def finite(self) -> bool:
@@ -228,6 +235,12 @@ class AbstractTarget(InUnits, ABC):
     def omitted(self, modes: Modes, highest: float) -> float:
         """Static compliance of the vibrations above `highest` [rad/s], m/N. modes: those up to it."""
         return max((self.compliance or 0.0) - modes.compliance, 0.0)
+
+    def omitted_and_error(self, modes: Modes, highest: float) -> tuple[float, float]:
+        """The same as exactly as it is known, m/N, and a bound on its error."""
+        if self.panel:
+            return omitted_compliance(*self.panel, modes, highest)
+        return self.omitted(modes, highest), self.compliance_error
 
     def reflections(self, impact: Impact) -> Estimate:
         """Waves that return from edges or ends before contact ends."""

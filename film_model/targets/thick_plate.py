@@ -26,7 +26,7 @@ from film_model.core import plates
 from film_model.targets.beam_theory import Line, wave_number
 from film_model.targets.line_functions import SIMPLE, line
 from film_model.targets.modes import Array, Modes, Points
-from film_model.targets.panel_statics import REMAINDER, compliance_and_error, ritz_compliance
+from film_model.targets.panel_statics import REMAINDER, compliance_and_error, degrees_along, ritz_compliance
 from film_model.targets.plate_modes import Point, Shear, numbers_of
 from film_model.targets.plate_statics import shear_compliance
 from film_model.targets.ritz import LEAST, NODE, Panel, least_stiffness, loose_motions, seen_modes, spectrum, symmetric
@@ -275,7 +275,7 @@ def thick_compliance(plate: ThickPanel, position: Point) -> tuple[float, float]:
 def _shear_of(plate: ThickPanel, position: Point, degree: int) -> float:
     """Deflection over force of polynomials with shear less that without."""
     total = -ritz_compliance(plate.thin, position, degree)
-    for frequency, moved in _ritz(plate, (position,), [degree, degree]):
+    for frequency, moved in _ritz(plate, (position,), degrees_along(plate.thin, degree)):
         bends = frequency > 0.0
         total += float(np.sum(moved[0, bends] ** 2 / frequency[bends] ** 2)) / plate.thin.mass_per_area
     return total

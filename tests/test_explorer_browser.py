@@ -280,6 +280,8 @@ HELD = {
     | {"in_plane": "fixed"},
     "strip": {"kind": "beam", "length": "200 mm", "width": "5 mm", "thickness": "1 mm", "material": "mild steel"}
     | {"ends": "clamped", "in_plane": "fixed"},
+    "wide": {"kind": "beam", "length": "1.2 m", "width": "60 mm", "thickness": "4 mm", "material": "mild steel"}
+    | {"ends": "clamped"},
     "static": {"kind": "plate", "thickness": "2 mm", "material": "mild steel", "static_stiffness": "1e6 N/m"},
 }
 CHANGES = (

@@ -283,13 +283,15 @@ def felt_compliance(impacts: Impacts) -> tuple[float, bool]:
     core, scales = fixed.trial.summary, fixed.scales
     shortest = core.contact_duration * scales.time
     contact = core.maximum_indentation * scales.length / _force(fixed)
-    duration, modes = shortest, scene.target.modes(SLOW / shortest)
+    highest = 2.0 ** math.ceil(math.log2(SLOW / shortest))  # which many impacts share
+    duration, modes = shortest, scene.target.modes(highest)
+    rest = scene.target.omitted(modes, highest)[0]
     while True:
-        slow = modes.below(SLOW / duration)
-        felt = scene.target.omitted(slow, SLOW / duration)
-        lasts = shortest * math.sqrt((1.0 + felt / contact) / (1.0 + scene.mass * float(slow.share.sum())))
-        if lasts <= duration or not slow.frequency.size:
-            return felt, bool(slow.frequency.size)
+        slow = modes.frequency <= SLOW / duration
+        felt = rest + float(np.sum(modes.share[~slow] / modes.frequency[~slow] ** 2))
+        lasts = shortest * math.sqrt((1.0 + felt / contact) / (1.0 + scene.mass * float(modes.share[slow].sum())))
+        if lasts <= duration or not slow.any():
+            return felt, bool(slow.any())
         duration = lasts * (1.0 + CLOSE)
 
 

@@ -85,8 +85,7 @@ def data(choice: Choice) -> tuple[dict[str, Any] | None, str]:
     """Compliance and modes of the target for the page, None if it has neither; and why the page cannot carry them.
 
     scales: of :func:`scales_of`. membrane: lower halves of the forms of its energy, and on how many modes it is with
-    half of `structures.CARRIED`; none if it is not simulated. lacking: that of vibrations which the scene does not
-    give; None where the page has not all of those it gives.
+    half of `structures.CARRIED`; none if it is not simulated. lacking: compliance of vibrations that are not there.
     """
     target, vibrates = choice.scene.target, choice.problem.vibrates
     if not vibrates and not (choice.decided[1] and choice.support.compliance > 0.0):
@@ -101,9 +100,8 @@ def data(choice: Choice) -> tuple[dict[str, Any] | None, str]:
     modes = structures.made(target, ALL, own.unit) if whole else _modes_above(target, own.highest, own.unit, carried)
     if modes.tables.count > MOST_MODES:
         return None, f"the {target.kind} moves by {modes.tables.count} natural vibrations, too many for a page"
-    found["lacking"] = target.omitted(target.modes(ALL), ALL) if whole else None
+    found |= {"lacking": modes.omitted, "highest": modes.highest}
     found |= {"lowest": structures.lowest_frequency(target), "rate": structures.rate_of(target)}
-    found["highest"] = modes.highest
     if carried:
         few = structures.structure_of(target, modes.highest, own.unit, carried // 2).tables.forms.shape[1]
         halves = [[row[: i + 1].tolist() for i, row in enumerate(form)] for form in modes.tables.forms]
@@ -150,7 +148,8 @@ def ritz_constants() -> dict[str, Any]:
     names = ("SHARPNESS", "LEAST", "NODE", "LOOSE", "SPARE", "MOST_WAVES", "WORK_OF_A_STRIP", "FEWEST")
     return (
         numbers_of(ritz, names)
-        | numbers_of(panel_statics, ("STATIC_DEGREE", "LOWER_DEGREES", "REMAINDER", "LEVY"))
+        | numbers_of(panel_statics, ("STATIC_DEGREE", "LOWER_DEGREES", "REMAINDER", "LEVY", "LONG", "LONGEST"))
+        | numbers_of(panel_statics, ("FEWEST_ACROSS", "FAR", "SLOWER", "SPREAD"))
         # largest sum of the cubes of the numbers of functions that interact, and largest degree across a strip, of the
         # modes of a plate on the page
         | {"beyond": line_functions.BEYOND, "most_work": 2e8, "most_degree": 128}

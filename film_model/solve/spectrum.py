@@ -171,7 +171,7 @@ def responses(target: AbstractTarget, frequency: Array) -> Complex:
             found[:, at] = (
                 factors @ (1.0 / (modes.frequency**2 - w**2 + 2j * modes.damping_ratio * modes.frequency * w)).T
             )
-    found[0] += target.omitted_and_error(modes, highest)[0]
+    found[0] += target.omitted(modes, highest)[0]
     return found
 
 

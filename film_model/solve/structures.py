@@ -114,7 +114,7 @@ def made(target: AbstractTarget, highest: float, longest: float, carried: int = 
         tables = modal.Tables(modes.frequency, modes.share, modes.damping_ratio, longest, forms)
     except ValueError as error:
         raise SimulationError(f"the target's natural vibrations cannot be simulated: {error}") from None
-    omitted, error = target.omitted_and_error(modes, highest)
+    omitted, error = target.omitted(modes, highest)
     return Structure(
         highest,
         tables,

@@ -24,7 +24,7 @@ oscillations: of 274 random plates, half of them struck beside an edge, 269 are 
 LEVY = 1e-7
 """Relative error of Lévy's series."""
 
-LONG, LONGEST, FEWEST = 4.0, 144.0, 12
+LONG, LONGEST, FEWEST_ACROSS = 4.0, 144.0, 12
 """Ratio of the sides from which on the degree along the longer one is higher, up to which it grows as √ratio, and least
 degree across. Clamped strips of 100 widths then have errors of 1e-7, with degree 32 both ways 3e-3."""
 
@@ -57,7 +57,7 @@ def degrees_along(panel: Panel, degree: int) -> list[int]:
     """Degrees along both sides: the same, or more along the longer one and less across."""
     x, y = (side / d**0.25 for side, d in zip(panel.size, panel.stiffness[::2], strict=True))
     more = math.sqrt(max(min(max(x / y, y / x), LONGEST) / LONG, 1.0))
-    longer, shorter = round(degree * more), max(round(degree / more), FEWEST)
+    longer, shorter = round(degree * more), max(round(degree / more), FEWEST_ACROSS)
     return [longer, shorter] if x > y else [shorter, longer]
 
 

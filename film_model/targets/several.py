@@ -61,7 +61,7 @@ def omitted(target: AbstractTarget, point: str, modes: Modes, highest: float) ->
     """Static deflection over force at a point of the vibrations above `highest` [rad/s], m/N, and a bound on its error.
     modes: those up to it, as seen there."""
     if point == STRUCK or not isinstance(target, Structure):
-        return struck_at(target, point).omitted_and_error(modes, highest)
+        return struck_at(target, point).omitted(modes, highest)
     found = seen(target, [point], math.inf)
     above = found.frequency > highest
     return float(((found.shapes[0, above] / found.frequency[above]) ** 2).sum()), 0.0

@@ -203,15 +203,15 @@ class Structure(AbstractTarget):
         """The strain of each column as strain_x; strain_y and the stresses are not known."""
         return np.stack([rows, *np.full((4, *rows.shape), np.nan)])  # pyright: ignore[reportReturnType]
 
-    def omitted(self, modes: Modes, highest: float) -> float:
-        """Static compliance of the vibrations above `highest` [rad/s], m/N: their sum.
+    def omitted(self, modes: Modes, highest: float) -> tuple[float, float]:
+        """Static compliance of the vibrations above `highest` [rad/s], m/N: their sum, and 0.
 
         The difference of two sums would be rounding where a motion of the whole structure has a frequency of 1e-5 Hz.
         """
         own = self._all
         lacking = 0.0 if self.static_compliance is None else max(self.static_compliance - own.compliance, 0.0)
         above = own.frequency > highest
-        return float(np.sum(own.share[above] / own.frequency[above] ** 2)) + lacking
+        return float(np.sum(own.share[above] / own.frequency[above] ** 2)) + lacking, 0.0
 
     @property
     def return_time(self) -> float:

@@ -232,15 +232,12 @@ class AbstractTarget(InUnits, ABC):
         """
         return surface_strains(self, rows)
 
-    def omitted(self, modes: Modes, highest: float) -> float:
-        """Static compliance of the vibrations above `highest` [rad/s], m/N. modes: those up to it."""
-        return max((self.compliance or 0.0) - modes.compliance, 0.0)
-
-    def omitted_and_error(self, modes: Modes, highest: float) -> tuple[float, float]:
-        """The same as exactly as it is known, m/N, and a bound on its error."""
+    def omitted(self, modes: Modes, highest: float) -> tuple[float, float]:
+        """Static compliance of the vibrations above `highest` [rad/s], m/N, and a bound on its error. modes: those up
+        to it."""
         if self.panel:
             return omitted_compliance(*self.panel, modes, highest)
-        return self.omitted(modes, highest), self.compliance_error
+        return max((self.compliance or 0.0) - modes.compliance, 0.0), self.compliance_error
 
     def reflections(self, impact: Impact) -> Estimate:
         """Waves that return from edges or ends before contact ends."""

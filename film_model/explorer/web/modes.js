@@ -19,6 +19,7 @@ function supportNow(scene) {
     ...support,
     key: `${support.key} ${ratios}`,
     compliance: support.compliance / (modulus * thickness ** 3),
+    lacking: support.lacking / (modulus * thickness ** 3),
     lowest: rate * support.lowest,
     rate: rate * support.rate,
     highest: rate * support.highest,
@@ -32,15 +33,15 @@ function rounded(value, unit = 1) {
   return unit * 2 ** (Math.ceil(4 * Math.log2(value / unit) - 1e-9) / 4);
 }
 
-/** Compliance of a target's modes from the one with this number on, m/N. @param {any} support @param {number} count */
-function omittedFrom({ compliance, lacking, modes: { frequency, share } }, count) {
-  const bent = (/** @type {number} */ from, /** @type {number} */ to) => {
-    let sum = 0;
-    for (let k = from; k < to; k++) if (frequency[k] > 0) sum += share[k] / frequency[k] ** 2;
-    return sum;
-  };
-  return lacking === null ? Math.max(compliance - bent(0, count), 0) : bent(count, frequency.length) + lacking;
+/** Compliance of modes from the one with this number on, m/N, under a force that grows with a rate, 1/s. @param {Record<string, ArrayLike<number>>} modes */
+function bentBy({ frequency, share }, from = 0, rate = 0) {
+  let sum = 0;
+  for (let k = from; k < frequency.length; k++) if (frequency[k] > 0 || rate > 0) sum += share[k] / (frequency[k] ** 2 + rate ** 2);
+  return sum;
 }
+
+/** Compliance of a target's modes from the one with this number on, m/N. @param {any} support @param {number} count */
+const omittedFrom = ({ lacking, modes }, count) => bentBy(modes, count) + lacking;
 
 /** Sum of the modes' shares up to the one with this number, 1/kg. @param {any} support @param {number} count */
 function sharesUpTo({ modes: { share } }, count) {
@@ -79,7 +80,7 @@ function structureOf(scene, highest, longest, series, softer = 0, few = false) {
   const known = CORE.structures.get(key);
   if (known) return known;
   CORE.tidy();
-  const seen = { ...support, modes: support.upTo?.(highest) ?? support.modes };
+  const seen = support.upTo ? { ...support, ...support.upTo(highest) } : support;
   const { frequency, share } = seen.modes;
   const ratio = own === undefined ? seen.modes.ratio : frequency.map(() => own ?? 0);
   let count = frequency.length;
@@ -98,7 +99,7 @@ function structureOf(scene, highest, longest, series, softer = 0, few = false) {
   const status = CORE.c.film_structure_init(place, count, ...places, longest, levels, memory);
   if (status !== 0) throw new Failure(status);
   CORE.c.film_structure_stretch(place, forms[0]?.length ?? 0, forms.length, CORE.numbersAt(forms.flat(2)));
-  const made = { place, count, omitted, shares, damped: columns[2].some((/** @type {number} */ value) => value > 0) };
+  const made = { place, count, omitted, error: seen.error ?? 0, shares, damped: columns[2].some((/** @type {number} */ value) => value > 0) };
   CORE.structures.set(key, made);
   return made;
 }
@@ -202,13 +203,12 @@ function unreached(accuracy, outcome) {
 }
 
 /**
- * Largest change of the summary by the error of the static compliance, as of film_model/solve/vibration.py: _target_error.
+ * Largest change of the summary by the error of the omitted compliance, as of film_model/solve/vibration.py: _target_error.
  * @param {Scene} scene @param {Problem} problem @param {any} coarse the run before the last @param {number} accuracy @param {number} limit
  */
-function errorOfCompliance(scene, problem, { core, highest, tolerance }, accuracy, limit) {
-  const { compliance, compliance_error: error = 0 } = supportNow(scene);
+function errorOfCompliance(scene, problem, { core, highest, tolerance, structure: { omitted, error } }, accuracy, limit) {
   const soft = core.maximum_force > 0 ? ((core.maximum_indentation / core.maximum_force) * problem.p.length) / problem.p.force : 0;
-  if (error <= DATA.constants.vibration.negligible * accuracy * (soft + compliance)) return 0;
+  if (error <= DATA.constants.vibration.negligible * accuracy * (soft + omitted)) return 0;
   return Math.max(...Object.values(differencesOf(problem, core, followed(scene, problem, highest, tolerance, limit, error).core)));
 }
 

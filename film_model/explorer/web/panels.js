@@ -1,17 +1,17 @@
 // Plates with clamped or free edges: vibrations and static deflection, by the rules of film_model/targets/ritz.py and panel_statics.py.
 
 /**
- * A plate for the core. edges: their numbers at x = 0, x = a, y = 0, y = b.
- * @typedef {{mass: number, d11: number, d12: number, d22: number, d66: number, a: number, b: number, edges: number[]}} Panel
+ * A plate for the core. edges: their numbers at x = 0, x = a, y = 0, y = b. bed: stiffness per area; none without.
+ * @typedef {{mass: number, d11: number, d12: number, d22: number, d66: number, a: number, b: number, edges: number[], bed?: number}} Panel
  */
 
 const SINES = 0; // degree of functions without a series
 
 /** What the core says of a panel. @template T @param {Panel} panel @param {(place: number) => T} ask */
 function ofPanel(panel, ask) {
-  const { mass, d11, d12, d22, d66, a, b, edges } = panel;
+  const { mass, d11, d12, d22, d66, a, b, edges, bed = 0 } = panel;
   const { top } = CORE;
-  const place = CORE.numbersAt([mass, d11, d12, d22, d66, a, b, 0, 0, 0, 0, 0, 0, 0]);
+  const place = CORE.numbersAt([mass, d11, d12, d22, d66, a, b, 0, 0, 0, 0, bed, 0, 0]);
   new Int32Array(CORE.c.memory.buffer, place + 96, 4).set(edges);
   const found = ask(place);
   CORE.top = top;
@@ -22,8 +22,8 @@ function ofPanel(panel, ask) {
 const halfWaves = (panel, along, highest) => ofPanel(panel, (place) => CORE.c.film_panel_waves(place, along, highest));
 
 /** The same plate with its sides exchanged. @param {Panel} panel @returns {Panel} */
-function turned({ mass, d11, d12, d22, d66, a, b, edges: [one, two, three, four] }) {
-  return { mass, d11: d22, d12, d22: d11, d66, a: b, b: a, edges: [three, four, one, two] };
+function turned({ d11, d22, a, b, edges: [one, two, three, four], ...others }) {
+  return { ...others, d11: d22, d22: d11, a: b, b: a, edges: [three, four, one, two] };
 }
 
 /** The edges that bound x (0) or y (1). @param {Panel} panel @param {number} along */
@@ -105,7 +105,8 @@ function groupsOf(panel, lines, point, { highest, most, from = 0, to }, use) {
 }
 
 /** Numbers of the products of a group that move without energy. @param {Panel} panel @param {number} count @param {number} energy */
-function looseOf({ d11, d22, a, b }, count, energy) {
+function looseOf({ d11, d22, a, b, bed }, count, energy) {
+  if (bed) return [];
   const matrix = new Float64Array(CORE.c.memory.buffer, energy, count * count);
   const least = (DATA.constants.ritz.loose * Math.max(d11, d22)) / (a * b) ** 2;
   return Array.from({ length: count }, (_, k) => k).filter((k) => matrix[k * (count + 1)] < least);
@@ -186,9 +187,18 @@ function workOfPanel(panel, point, highest) {
   return seen * (products * sharpness * ritz.fewest) ** 3;
 }
 
+/** Degrees along both sides. @param {Panel} panel @param {number} degree */
+function degreesAlong({ a, b, d11, d22 }, degree) {
+  const { long, longest, fewest_across: fewest } = DATA.constants.ritz;
+  const ratio = (a / b) * (d22 / d11) ** 0.25;
+  const more = Math.sqrt(Math.max(Math.min(Math.max(ratio, 1 / ratio), longest) / long, 1));
+  const [longer, shorter] = [Math.round(degree * more), Math.max(Math.round(degree / more), fewest)];
+  return ratio > 1 ? [longer, shorter] : [shorter, longer];
+}
+
 /** Static deflection over force by polynomials up to a degree. @param {Panel} panel @param {number[]} point @param {number} degree */
 function ritzCompliance(panel, point, degree) {
-  const lines = [0, 1].map((along) => lineOf(endsOf(panel, along), degree, 0));
+  const lines = degreesAlong(panel, degree).map((own, along) => lineOf(endsOf(panel, along), own, 0));
   const parts = groupsOf(panel, lines, point, { highest: Infinity, most: Infinity }, (count, energy, seen, memory) => {
     const { buffer } = CORE.c.memory;
     const [matrix, values] = [new Float64Array(buffer, energy, count * count), new Float64Array(buffer, seen, count)];
@@ -206,14 +216,43 @@ function ritzCompliance(panel, point, degree) {
 /** The static deflection over force, m/N, and a bound on its error. @param {Panel} given @param {number[]} place */
 function panelCompliance(given, place) {
   const { levy, remainder, lower_degrees: lower, static_degree: degree } = DATA.constants.ritz;
-  let [panel, [x, y]] = [given, place];
+  let [panel, [x, y]] = feltOf(given, place);
   const { a, b, d11, d22 } = panel;
   const nearer = Math.min(y, b - y) / d22 ** 0.25 < Math.min(x, a - x) / d11 ** 0.25;
-  const [along, across] = [0, 1].map((side) => simple(given, side));
+  const [along, across] = [0, 1].map((side) => simple(panel, side));
   if ((nearer || along) && !across) [panel, x, y] = [turned(panel), y, x];
   const known = ofPanel(panel, (at) => CORE.c.film_panel_levy(at, x, y));
   if (simple(panel, 1)) return { compliance: known, error: levy * known };
   const like = { ...panel, edges: [...endsOf(panel, 0), 0, 0] };
   const [last, ...others] = [degree, ...lower].map((each) => ritzCompliance(panel, [x, y], each) - ritzCompliance(like, [x, y], each));
   return { compliance: known + last, error: remainder * Math.max(...others.map((other) => Math.abs(last - other))) + levy * known };
+}
+
+/** The part of a plate on a bed that the force feels, and the place in it. @param {Panel} panel @param {number[]} place @returns {[Panel, number[]]} */
+function feltOf(panel, place) {
+  const { a, b, d11, d22, d66, bed, edges } = panel;
+  if (!bed) return [panel, place];
+  const { far } = DATA.constants.ritz;
+  const reach = [[d11, b], [d22, a]].map(([d, other]) => far * Math.max((4 * d / bed) ** 0.25, Math.sqrt(48 * d66 / bed) / other));
+  const [low, high] = [place, [a - place[0], b - place[1]]].map((distances) => distances.map((x, along) => Math.min(x, reach[along])));
+  const kept = [low[0] === place[0], high[0] === a - place[0], low[1] === place[1], high[1] === b - place[1]];
+  return [{ ...panel, a: low[0] + high[0], b: low[1] + high[1], edges: edges.map((edge, k) => (kept[k] ? edge : 0)) }, low];
+}
+
+/**
+ * Static deflection over force of the vibrations above a frequency, m/N, and a bound on its error: omitted_compliance.
+ * @param {Panel} panel @param {number[]} place @param {Record<string, ArrayLike<number>>} modes
+ * @param {number} highest @param {{compliance: number, error: number}} statics of panelCompliance
+ */
+function omittedOf(panel, place, modes, highest, { compliance, error }) {
+  const { slower, spread } = DATA.constants.ritz;
+  const lacking = compliance - bentBy(modes);
+  if (error > spread * lacking) {
+    const rate = highest / slower;
+    const grown = panelCompliance({ ...panel, bed: panel.mass * rate ** 2 }, place);
+    const more = 1 / (slower * Math.atan(1 / slower));
+    const found = more * (grown.compliance - bentBy(modes, 0, rate));
+    if (grown.error + spread * Math.abs(found) < error) return { lacking: Math.max(found, 0), error: more * grown.error };
+  }
+  return { lacking: Math.max(lacking, 0), error };
 }

@@ -36,20 +36,24 @@ function plateNow(scene) {
   const whole = /** @type {any} */ ({ a, b, edges, ...numbers });
   const plate = edges.some((edge) => edge !== 0) ? ofEdges(whole, point) : ofSimpleEdges(whole, point);
   const rate = (Math.PI * Math.sqrt(Math.max(whole.d11, whole.d22) / whole.mass)) / Math.min(a, b) ** 2;
-  CORE.plate = Object.assign(plate, { key, part, rate, lacking: null, modes: {} });
+  CORE.plate = Object.assign(plate, { key, part, rate, lacking: 0, modes: {} });
   return CORE.plate;
 }
 
 /** A simply supported plate, by the core's closed form. @param {Panel & {thickness: number, softness: number, bulge: number}} plate @param {number[]} point */
 function ofSimpleEdges({ a, b, mass, d11, d12, d22, d66, thickness, softness, bulge }, point) {
   const whole = [a, b, ...point, mass, d11, d12 + 2 * d66, d22, 0, thickness, softness, bulge];
-  const upTo = (/** @type {number} */ highest) => CORE.plateModes(whole, highest);
+  const modes = (/** @type {number} */ highest) => CORE.plateModes(whole, highest);
   const { most_computed: limit, least_frequency: least } = DATA.constants.vibration;
   let [lowest, highest] = [least, 2 ** 60];
   while (CORE.ofPlate(whole, (place) => CORE.c.film_plate_most(place, highest)) > limit) highest /= 2 ** 0.25;
-  while (lowest < highest && upTo(lowest).frequency.length === 0) lowest *= 2;
+  while (lowest < highest && modes(lowest).frequency.length === 0) lowest *= 2;
   const compliance = CORE.ofPlate(whole, (place) => CORE.c.film_plate_compliance(place));
-  return { held: true, compliance, compliance_error: 0, lowest: upTo(lowest).frequency[0] ?? 0, highest, upTo };
+  const upTo = (/** @type {number} */ limit) => {
+    const found = modes(limit);
+    return { modes: found, lacking: Math.max(compliance - bentBy(found), 0), error: 0 };
+  };
+  return { held: true, compliance, lowest: modes(lowest).frequency[0] ?? 0, highest, upTo };
 }
 
 /** A plate with other edges, by Ritz's method; what takes long is computed when it is needed. @param {Panel} panel @param {number[]} point */
@@ -58,14 +62,14 @@ function ofEdges(panel, point) {
   const { most_work: most, sharpness: [[sharpness]], least: functions } = DATA.constants.ritz;
   /** @type {Map<number, any>} */
   const known = new Map();
-  const upTo = (/** @type {number} */ limit) => {
+  const modes = (/** @type {number} */ limit) => {
     if (!known.has(limit)) known.set(limit, panelModes(panel, point, limit));
     return known.get(limit);
   };
   let [few, highest] = [least, 2 ** 60];
   while (workOfPanel(panel, point, highest) > most) highest /= 2 ** 0.25;
   while (Math.max(...[0, 1].map((along) => halfWaves(panel, along, 16 * sharpness * few))) < functions - 2) few *= 16;
-  const bends = () => upTo(few).frequency.find((/** @type {number} */ own) => own > 0);
+  const bends = () => modes(few).frequency.find((/** @type {number} */ own) => own > 0);
   /** @type {{compliance: number, error: number}|undefined} */
   let found;
   const statics = () => (found ??= panelCompliance(panel, point));
@@ -73,12 +77,9 @@ function ofEdges(panel, point) {
     held: !loose(panel),
     limited: true,
     highest,
-    upTo,
+    upTo: (/** @type {number} */ limit) => ({ modes: modes(limit), ...omittedOf(panel, point, modes(limit), limit, statics()) }),
     get compliance() {
       return statics().compliance;
-    },
-    get compliance_error() {
-      return statics().error;
     },
     get lowest() {
       while (few < highest && !bends()) few *= 16;

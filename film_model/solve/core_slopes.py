@@ -142,7 +142,7 @@ class CoreSlopes:
         if self._varied is not None:
             return OwnCurves(varied=self._varied._replace(values=own))
         if self._mixture is None:
-            return OwnCurves(self.curve.page, own[:, 0] if own.size else None)
+            return OwnCurves(self.curve.page, own[:, 0]) if own.size else OwnCurves()
 
         def law_at(place: Any) -> AbstractLaw:
             shape, *values = (column[place] for column in own.T)

@@ -28,6 +28,9 @@ Block = tuple[Index, Index]
 MOST_FUNCTIONS = 1200
 """Largest number of products that interact: their vibrations take 0.2 s and 40 MB."""
 
+SIMPLER = "set boundary_reflections = false in [effects] or, of a beam, shorten it: far ends do not matter"
+"""What needs fewer functions, in words."""
+
 MOST_WAVES = 160
 """Most half-waves along a side, twice as many if its ends are alike, unless two opposite edges are simply supported:
 their shapes take 0.2 s."""
@@ -142,7 +145,7 @@ def unit_modes(panel: Panel, points: Points, highest: float) -> Modes:
         if number > (most := MOST_WAVES * (2 if symmetric(panel, along) else 1)):
             raise TooManyModes(
                 f"the vibrations of this plate need {number:.0f} half-waves along one side, but at most {most} are "
-                "allowed: take simply supported edges, or set boundary_reflections = false in [effects]"
+                f"allowed: take simply supported edges, or {SIMPLER}"
             )
     groups = math.prod(2 if symmetric(panel, along) else 1 for along in (0, 1))
     least = FEWEST * math.prod(max(number - 2, 0.0) for number in waves) / groups
@@ -187,7 +190,7 @@ def _strips(panel: Panel, points: Points, highest: float) -> list[tuple[Array, A
     if float(np.sum((degree / groups) ** 3 + WORK_OF_A_STRIP)) > MOST_STRIPS:
         raise TooManyModes(
             f"the vibrations of this plate need {wave.size} half-waves along one side, each with up to "
-            f"{degree.max()} polynomials across, which takes too long: set boundary_reflections = false in [effects]"
+            f"{degree.max()} polynomials across, which takes too long: {SIMPLER}"
         )
     found: list[tuple[Array, Array]] = []
     for size in np.unique(degree):
@@ -238,7 +241,7 @@ def _line(panel: Panel, along: int, highest: float) -> Line:
 def _too_many(count: float) -> str:
     return (
         f"the vibrations of this plate need {count:.0f} functions that interact, but at most {MOST_FUNCTIONS} are "
-        "allowed: take simply supported edges, or set boundary_reflections = false in [effects]"
+        f"allowed: take simply supported edges, or {SIMPLER}"
     )
 
 

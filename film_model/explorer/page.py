@@ -18,7 +18,7 @@ from film_model.scene import Scene
 
 FOLDER = Path(__file__).parent / "web"
 WASM = Path(__file__).parent / "_film_core.wasm"
-_COMMENT = re.compile(r"^ *//[^\n]*\n| */\*\*(?:(?!\*/).)*\*/\n?", re.MULTILINE | re.DOTALL)
+_LEFT_OUT = re.compile(r"^ *//[^\n]*\n| */\*\*(?:(?!\*/).)*\*/\n?|^ +", re.MULTILINE | re.DOTALL)
 SCRIPTS = (
     *("core", "data", "units", "effects", "solve", "modes", "panels", "plates", "oblique"),
     *("state", "studies", "draw", "netcdf", "export", "controls", "parts", "app"),
@@ -83,8 +83,8 @@ def examples() -> tuple[tuple[str, Scene], ...]:
 
 
 def _script(formulas: str) -> str:
-    """All scripts in one scope, without types and the comments that take whole lines."""
-    own = _COMMENT.sub("", "\n".join([*scripts().values(), formulas, "main();"]))
+    """All scripts in one scope, without types, indentation and the comments that take whole lines."""
+    own = _LEFT_OUT.sub("", "\n".join([*scripts().values(), formulas, "main();"]))
     return f'(() => {{\n"use strict";\n{own}}})();\n'
 
 

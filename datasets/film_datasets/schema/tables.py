@@ -85,7 +85,8 @@ ADDED: dict[str, dict[str, tuple[str, ...]]] = {
         "1.2": ("scene_key",),
         **{"1.3": (), "1.4": (), "1.5": _names(f"{SWEEP} steps")},
         "1.6": _names(f"{SWEEP} friction"),
-        **{"1.7": (), "1.8": tuple(BOUNDS)},
+        "1.7": (),
+        "1.8": tuple(BOUNDS),
     },
     MEASUREMENT: {
         **{"1.0": (), "1.1": (), "1.2": ("row_number", "complete", "held_out", "matter", "input_uncertainty")},

@@ -50,7 +50,7 @@ fmi3Instance fmi3InstantiateCoSimulation(fmi3String instanceName, fmi3String ins
     if (!made) return NULL;
     int status = instance_require(made, HERE, requiredIntermediateVariables, nRequiredIntermediateVariables, call_importer,
                                   (void (*)(void))intermediateUpdate);
-    if (made->data->kind == CONTACT && eventModeUsed) status = instance_error(made, HERE, "this FMU has no event mode");
+    if (status == GOOD && made->data->kind == CONTACT && eventModeUsed) status = instance_error(made, HERE, "this FMU has no event mode");
     if (status == GOOD) return made;
     instance_free(made);
     return NULL;

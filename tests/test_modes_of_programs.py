@@ -340,6 +340,7 @@ def test_vibrations_of_nastran(content, tmp_path):
         (".op2", binary(code=1), "has no real vibrations: a modal analysis"),
         (".op2", binary()[:-400], "is damaged, or not a results file of Nastran"),
         (".op2", b"", "is empty"),
+        (".op2", b"\x04\x00", "is not a results file of Nastran"),
         (".op2", b"\x00" * 50, "is not a results file of Nastran"),
         (".op2", binary().replace(b"OUGV", b"OUXX"), "has no real vibrations"),
         (".pch", punched((1.0, 2.0)) + punched((1.0, 2.0)), "vibration 1 is there twice"),

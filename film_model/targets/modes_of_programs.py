@@ -1,4 +1,4 @@
-"""Natural vibrations from other programs, as a file of vibrations: universal files, Nastran, and matrices M, K, C."""
+"""Natural vibrations from other programs, as a file of vibrations: universal files, Nastran, Ansys, matrices."""
 
 from __future__ import annotations
 
@@ -17,7 +17,8 @@ from film_model.base.errors import shown
 from film_model.base.files import check_regular, written_whole
 from film_model.base.threads import one_thread
 from film_model.targets.dmig import read_dmig
-from film_model.targets.nastran_results import ResultModes, has_vibrations, read_op2, read_punch
+from film_model.targets.nastran_results import has_vibrations, read_op2, read_punch
+from film_model.targets.result_modes import ResultModes
 from film_model.targets.structure_file import ROOTS
 
 DIRECTIONS = ("x", "y", "z")

@@ -2,20 +2,21 @@
 
 from __future__ import annotations
 
-import math
 import mmap
 import re
 from collections.abc import Iterator
 from contextlib import closing
-from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
 
-from film_model.base.arrays import Array
+from film_model.targets.result_modes import ResultModes
 
 SHAPES, MASSES = ("OUG", "BOUG", "OPHIG", "BOPHIG"), ("LAMA", "BLAMA")
 """How the names of tables of eigenvectors, and of eigenvalues with modal masses, begin."""
+
+FIRST = {np.array([word], f"{order}i4").tobytes(): (order, word) for order in "<>" for word in (4, 8)}
+"""How a file begins, with the length of its first record, by the order and length of its words."""
 
 EIGENVALUES, EIGENVECTOR, NODE_ROW = 2, 7, 8
 """Of the record before a table: the approach of real vibrations, the kind of the table, and the words a node, of which
@@ -30,66 +31,23 @@ PUNCHED = "$EIGENVECTOR"
 _MODE = re.compile(r"\$EIGENVALUE = *([-+.\dE]+) +MODE = *(\d+)")
 
 
-@dataclass
-class ResultModes:
-    """Vibrations of any program by their number: ω², (rad/s)²; modal mass, where the file has it; and the displacements
-    of each node along x, y and z of its own system, in units of the model."""
-
-    square: dict[int, float] = field(default_factory=dict)
-    mass: dict[int, float] = field(default_factory=dict)
-    shape: dict[int, dict[int, tuple[float, float, float]]] = field(default_factory=dict)
-
-    def add(self, path: Path, number: int, square: float) -> dict[int, tuple[float, float, float]]:
-        """A vibration, and where its displacements go."""
-        if number in self.shape:
-            raise ValueError(f"{path}: vibration {number} is there twice: export those of one subcase")
-        self.square[number] = square
-        return self.shape.setdefault(number, {})
-
-    def at(self, path: Path, nodes: list[int]) -> tuple[Array, Array, Array]:
-        """Frequencies, Hz, modal masses and displacements (vibration, node, x y z), by ascending frequency. Raises
-        ValueError without vibrations, a node or a modal mass, or with an eigenvalue below 0."""
-        if not self.shape:
-            raise ValueError(f"{path} has no real vibrations: a modal analysis (Nastran: solution 103) is needed")
-        numbers = sorted(self.shape, key=self.square.__getitem__)
-        for number in numbers:
-            for node in nodes:
-                if node not in self.shape[number]:
-                    raise ValueError(f"{path}: vibration {number} has no node {node}")
-        moved = np.array([[self.shape[number][node] for node in nodes] for number in numbers])
-        if not self.mass and all(self._largest(number) == 1.0 for number in numbers):
-            raise ValueError(f"{path}: the largest displacement of every vibration is 1: its modal mass is needed, "
-                             "or vibrations normalised by mass")  # fmt: skip
-        square = np.array([self.square[number] for number in numbers])
-        if not (np.isfinite(moved).all() and np.isfinite(square).all()):
-            raise ValueError(f"{path}: a number is not finite")
-        if square[0] < -1e-6 * square[-1]:
-            raise ValueError(f"{path}: an eigenvalue is {square[0]:g}: the structure is unstable")
-        mass = np.array([self.mass.get(number, 1.0) for number in numbers])
-        return np.sqrt(np.maximum(square, 0.0)) / (2.0 * math.pi), mass, moved
-
-    def _largest(self, number: int) -> float:
-        return max(abs(part) for moved in self.shape[number].values() for part in moved)
-
-
 def read_op2(path: Path) -> ResultModes:
     """Of words of 4 or 8 bytes, in either order. Raises ValueError for a file that is not whole."""
     found = ResultModes()
     if path.stat().st_size == 0:
         raise ValueError(f"{path} is empty")
     with path.open("rb") as file, closing(mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ)) as data:
-        order = next((order for order in "<>" if np.frombuffer(data, f"{order}i4", 1)[0] in (4, 8)), None)
-        if order is None:
+        if data[:4] not in FIRST:
             raise ValueError(f"{path} is not a results file of Nastran")
-        word = int(np.frombuffer(data, f"{order}i4", 1)[0])
+        order, word = FIRST[data[:4]]
         whole, real = f"{order}i{word}", f"{order}f{word}"
         for name, records in _tables(path, data, whole):
             if found.shape and name.startswith(SHAPES):
                 continue  # the same under another name
             masses = name.startswith(MASSES)
             for head, body in zip(records[3::2], records[4::2], strict=False):
-                codes, numbers = np.frombuffer(head.ljust(10 * word), whole), np.frombuffer(head, real)
-                modal = (codes[0] // 10, codes[1], codes[9]) == (EIGENVALUES, EIGENVECTOR, NODE_ROW)
+                codes, numbers = np.frombuffer(head, whole), np.frombuffer(head, real)
+                modal = len(codes) > 9 and (codes[0] // 10, codes[1], codes[9]) == (EIGENVALUES, EIGENVECTOR, NODE_ROW)
                 if not (masses or modal):
                     continue
                 count = len(MASS_ROW) if masses else NODE_ROW
@@ -114,6 +72,7 @@ def _tables(path: Path, data: mmap.mmap, whole: str) -> Iterator[tuple[str, list
     """
     word, at = np.dtype(whole).itemsize, 0
     name, records, parts, fresh = "", list[bytes](), list[bytes](), False
+    damaged = f"{path} is damaged, or not a results file of Nastran"
 
     def block() -> bytes:
         nonlocal at
@@ -121,18 +80,18 @@ def _tables(path: Path, data: mmap.mmap, whole: str) -> Iterator[tuple[str, list
         first, at = at + 4, at + size + 8
         ends = data[first + size : at] if size >= 0 and at <= len(data) else b""
         if ends != data[first - 4 : first]:
-            raise ValueError(f"{path} is damaged, or not a results file of Nastran: a record at byte {first - 4}")
+            raise ValueError(f"{damaged}: a record at byte {first - 4}")
         return data[first : first + size]
 
     while at < len(data):
         marker = block()
         if len(marker) != word:
-            raise ValueError(f"{path} is damaged, or not a results file of Nastran: a marker before byte {at}")
+            raise ValueError(f"{damaged}: a marker before byte {at}")
         count = int(np.frombuffer(marker, whole)[0])
         if count > 0:
             part = block()
             if len(part) % word:
-                raise ValueError(f"{path} is damaged, or not a results file of Nastran: the block before byte {at}")
+                raise ValueError(f"{damaged}: the block before byte {at}")
             if not (fresh and count == 1) and (not records or name):
                 parts.append(part)
             fresh = False

@@ -98,7 +98,7 @@ def run(
 
 
 def _why_no_exchange(data: resource.Data) -> str:
-    if resource.has(data, "torque"):
+    if resource.slides(data):
         return "it has friction"
     relaxes = data.relaxation.tolerance > 0.0
     return "its material is viscoelastic" if relaxes else "its target vibrates or has a static stiffness"

@@ -336,7 +336,7 @@ def has(data: Data, name: str) -> bool:
     k = reference(name)
     if not has_exchange(data) and k >= reference("rate_of_indentation"):
         return False
-    if name in OF_FRICTION and not data.available[reference("torque")]:
+    if name in OF_FRICTION and not slides(data):
         return False
     return KINDS[data.kind] in VARIABLES[k].causality and (k >= _SETTABLE or bool(data.available[k]))
 
@@ -344,8 +344,13 @@ def has(data: Data, name: str) -> bool:
 def has_exchange(data: Data) -> bool:
     """Whether the FMU is for Model Exchange too: not on a target that vibrates or has a static stiffness, not of
     viscoelastic bodies, and not with friction."""
-    without = [reference(name) for name in ("target_stiffness", "torque")]
-    return not (data.modes.count or data.relaxation.tolerance or any(data.available[k] for k in without))
+    stiff = data.available[reference("target_stiffness")]
+    return not (data.modes.count or data.relaxation.tolerance or stiff or slides(data))
+
+
+def slides(data: Data) -> bool:
+    """Whether the impact has friction: by an input, because with a table of it there is no parameter."""
+    return bool(data.available[reference("torque")])
 
 
 def _fnv1a(content: bytes) -> int:

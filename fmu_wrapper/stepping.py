@@ -33,7 +33,7 @@ def value_at(time: float, value: Any) -> float:
 
 
 def _recorded(fmu: Fmu) -> tuple[str, ...]:
-    along = ALONG if resource.has(fmu.data, "torque") else ()
+    along = ALONG if resource.slides(fmu.data) else ()
     return (*RECORDED, *along, *(v.name for v in of_sensors(fmu.sensors)))
 
 

@@ -105,7 +105,7 @@ class Oblique:
 
     @property
     def bounds(self) -> dict[str, float]:
-        """`low` and `high` by the names of `BOUNDS`; empty if there are none."""
+        """The bounds of the sliding velocity after the impact, m/s, by name; empty where the law does not yield."""
         ends = zip(BOUNDS, (self.low, self.high), strict=True)
         return {name: end for name, end in ends if end is not None}
 

@@ -21,7 +21,7 @@ from film_model.problem.varied import Varied, fitted_by, varied_of
 class OwnCurves(NamedTuple):
     """page: a family of curves, and shape: the shapes of the laws, or of a mixture their rows of numbers. varied: of
     curves that differ in numbers of their powers. spring: compliances [δ_s/F_s] in series. Each is None where the
-    curves do not differ in it, or have none."""
+    curves do not differ in it, or have none; page and shape are both None, or neither."""
 
     page: Page | None = None
     shape: Array | None = None

@@ -13,17 +13,11 @@ from film_model.base.errors import SceneError, SimulationError
 from film_model.effects.choose import Choice, choose
 from film_model.effects.edge_effects import edged
 from film_model.effects.effect import NOT_MODELLED
+from film_model.effects.large_slope import COMPUTED
 from film_model.effects.trial import change
+from film_model.laws.tsuji import Tsuji
 from film_model.laws.yielding import yield_point, yield_velocity
-from film_model.problem.law_of_scene import (
-    DAMPED,
-    ELASTIC,
-    YIELDING,
-    can_yield,
-    law_named,
-    reaches_yield,
-    yielding_entries,
-)
+from film_model.problem.law_of_scene import ELASTIC, STEEP, YIELDING, can_yield, reaches_yield, yielding_entries
 from film_model.problem.problem import Problem
 from film_model.problem.relaxation import relaxation_of
 from film_model.problem.summary import differences
@@ -76,8 +70,8 @@ def served(scene: Scene, kind: Kind = "impact") -> Scene:
     Law "auto" becomes the law that yields, which is elastic below yield; gravity is simulated, and so is the motion of
     the target, unless the scene switches them off. A contact contains neither weight nor target. An impact whose
     viscoelasticity matters at the scene's velocity has it at all velocities, with Hertz's law; where losses of the
-    materials are simulated at that velocity, they are at all, with their law; so are waves in a half-space, with the
-    impedance of that velocity.
+    materials or steep surfaces are simulated at that velocity, they are at all, with their law; so are waves in a
+    half-space, with the impedance of that velocity.
 
     >>> fmu_wrapper.served(scene).contact.law_name
     'elastoplastic'
@@ -87,12 +81,14 @@ def served(scene: Scene, kind: Kind = "impact") -> Scene:
         effects = effects.changed(viscoelasticity=True)
         if scene.contact.law == "auto":
             scene = scene.replace({"contact.law": ELASTIC})
-    if scene.contact.law == "auto" and choose(scene).problem.law.name == DAMPED:
-        made = law_named(scene, DAMPED).values["restitution"]
-        scene = scene.replace({"contact.law": DAMPED, "contact.restitution": made})
-    known = reaches_yield(scene) is not None and can_yield(scene)
-    if scene.contact.law == "auto" and effects.plasticity is not False and known:
-        scene = scene.replace(yielding_entries(scene))
+    if scene.contact.law == "auto":
+        law, known = choose(scene).problem.law, reaches_yield(scene) is not None and can_yield(scene)
+        if isinstance(law, Tsuji):
+            scene = scene.replace({"contact.law": law.name, "contact.restitution": law.restitution})
+        elif effects.plasticity is not False and known:
+            scene = scene.replace(yielding_entries(scene))
+        elif law.name == STEEP[ELASTIC]:
+            scene = scene.replace({"contact.law": law.name})
     gravity, motion = effects.gravity, effects.target_motion
     waves = effects.wave_losses is True or (effects.wave_losses == "auto" and _radiates(given))
     if kind == "contact":
@@ -129,10 +125,11 @@ def segments_for_speeds(scene: Scene, problem: Problem, counts: tuple[int, int])
 def validity_of(scene: Scene) -> Validity:
     """Where the assumptions of an export hold. scene: as :func:`served`."""
     choice = choose(scene)
-    elastic = narrow = math.inf
+    elastic, narrow, law = math.inf, math.inf, choice.problem.law
     if scene.effective_modulus is not None:
-        narrow = 10.0 * scene.effect_tolerance * scene.effective_radius  # (a/R)²/10 is the tolerance, a² = R δ
-    law = choice.problem.law
+        # a² = R δ; of others (a/R)²/10 is the tolerance
+        most = COMPUTED**2 if law.name in STEEP.values() else 10.0 * scene.effect_tolerance
+        narrow = most * scene.effective_radius
     if getattr(type(law), "family", "") in ("elastic", "damped") and reaches_yield(scene) is not None:
         assert scene.effective_modulus is not None and scene.yield_strength is not None
         elastic = yield_point(scene.effective_modulus, scene.effective_radius, scene.yield_strength)[0]

@@ -216,7 +216,7 @@ def test_yielding_below_the_tolerance_is_neglected(ratio, law, change):
 
 
 def test_without_a_yield_strength_yielding_is_not_judged():
-    scene = fm.Scene(fm.Sphere("5 mm", velocity="1 m/s", material="alumina"), fm.HalfSpace("alumina"))
+    scene = fm.Scene(fm.Sphere("5 mm", velocity="0.5 m/s", material="alumina"), fm.HalfSpace("alumina"))
     found = by_name(scene)
     assert fm.simulate(scene).problem.law.name == "hertz"
     for name in ("plasticity", "fully_plastic"):
@@ -383,15 +383,15 @@ def test_wave_losses_against_lambs_problem():
     assert fast.state == NOT_MODELLED
 
 
-def test_small_slope_against_sneddons_sphere():
+def test_large_slope_against_sneddons_sphere():
     for a in (0.05, 0.1, 0.2, 0.3):
         log = math.log((1 + a) / (1 - a))
         depth, force = a / 2 * log, (a * a + 1) / 2 * log - a
         assert 1 - force / (4 / 3 * depth**1.5) == pytest.approx(0.1 * a * a, rel=0.1)
     soft = {**STEEL, "youngs_modulus": "5 MPa"}
-    effect = by_name(ball_on(fm.HalfSpace(soft), "5 m/s", material=soft))["small_slope"]
-    assert effect.value > effect.threshold
-    assert effect.state == NOT_MODELLED
+    effect = by_name(ball_on(fm.HalfSpace(soft), "5 m/s", material=soft))["large_slope"]
+    assert effect.change > 0.01
+    assert effect.state == SIMULATED
 
 
 def test_adhesion_against_the_work_of_parting():
@@ -559,7 +559,7 @@ def test_explain_has_one_line_for_each_effect_and_a_conclusion():
     lines = explain.effects_text(scene).splitlines()
     effects = choose(scene).effects
     groups = [line for line in lines if line in explain.GROUPS]
-    assert groups == ["Neglected", "Cannot be judged", "Not modelled, but important"]
+    assert groups == ["Computed", "Neglected", "Cannot be judged", "Not modelled, but important"]
     for effect in effects:
         (line,) = [line for line in lines if line.startswith(f"  {effect.name.replace('_', ' ')}  ")]
         assert not any(riddle in line for riddle in ("missing", "not to be had", "not assessed"))
@@ -574,7 +574,7 @@ def test_explain_compares_the_laws(capsys):
     table, _, needing = capsys.readouterr().out.partition("restitution          dent\n")[2].partition("Not compared")
     rows = {line[:20].strip(): line[20:].split() for line in table.splitlines()}
     assert rows["big-alabo"][:4] == ["516.1", "N", "9.484", "µm"] and rows["hertz"][-2:] == ["0", "m"]
-    assert all((name in rows) != (f"{name} (" in " ".join(needing.split())) for name in fm.LAWS)
+    assert all((name in rows) != (f" {name} (" in " ".join(needing.split())) for name in fm.LAWS)
 
 
 @pytest.mark.slow
@@ -600,7 +600,7 @@ def test_laws_are_compared_under_the_effects_of_the_scene():
         assert {key: cell["value"] for key, cell in rows[name]["summary"].items()} == own
     assert "stiffness" in rows["meyer"]["missing"] and rows["meyer"]["needs"] == ["exponent", "stiffness"]
     said = explain.laws_text(list(rows.values())).splitlines()
-    assert len(said) < 17 and sum("Not compared, because they need" in line for line in said) == 1
+    assert len(said) < 19 and sum("Not compared, because they need" in line for line in said) == 1
     assert not any(line.startswith("meyer ") for line in said) and "meyer (exponent, stiffness), " in " ".join(said)
     meyer = scene.replace({"contact": {"law": "meyer", "stiffness": "1e9 N/m^1.5", "exponent": 1.5}})
     rows = {row["name"]: row for row in explain.compare_laws(meyer, "meyer")}

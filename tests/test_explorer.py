@@ -117,7 +117,7 @@ def test_a_law_is_offered_with_the_values_that_it_needs():
     assert not any(fixed.values())
     glass = {"impactor": BALL | {"material": "alumina"}, "target": SLAB | {"material": "soda-lime glass"}}
     offered = [law["name"] for law in Content([("a", fm.Scene.from_table(glass))]).table()["laws"]]
-    assert offered == ["hertz", *(n for n, law in LAWS.items() if law.damped)]
+    assert offered == ["hertz", "large-slope", *(n for n, law in LAWS.items() if law.damped)]
 
 
 def laws_with(contact):

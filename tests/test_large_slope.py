@@ -1,4 +1,4 @@
-"""Elastic contacts of large slope: the finite elements against theory, and the estimate against the finite elements."""
+"""Elastic contacts of large slope: the finite elements against theory, and law large-slope against them."""
 
 import csv
 import math
@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 from scipy import optimize
 
-from film_model.effects.elastic_ball import BALL, Body, change, excess
+import film_model as fm
+from film_model.laws.large_slope import BALL, HALF_SPACE
 
 FOLDER = Path(__file__).parent.parent / "examples" / "finite_elements"
 sys.path.insert(0, str(FOLDER))
@@ -20,7 +21,7 @@ import elastic  # noqa: E402
 
 needs_gcc = pytest.mark.skipif(shutil.which("gcc") is None, reason="needs gcc")
 
-BODIES = {"ball": 1.0, "half-space": 0.0}  # R over the radius
+COEFFICIENTS = {"ball": BALL, "half-space": HALF_SPACE}
 
 
 def table(kind):
@@ -88,31 +89,24 @@ def test_finite_elements_of_small_strains_against_the_series_of_a_sphere():
 
 
 @pytest.mark.parametrize("ratio", [0.2, 0.3, 0.45])
-def test_the_excess_against_the_series_of_a_sphere(ratio):
-    for slope in (0.1, 0.2):  # by the force
-        less = flat(ratio, slope)
-        x = slope * (1 - less) ** 0.5
-        fitted = sum(c * x**k for k, c in enumerate(BALL, 1))
-        assert fitted == pytest.approx((1 - less) ** -1.5 - 1, rel=0.16)
+def test_the_coefficient_against_the_series_of_a_sphere(ratio):
+    less = flat(ratio, 0.1)  # by the force
+    assert pytest.approx(((1 - less) ** -1.5 - 1) / (0.1 * (1 - less) ** 0.5), rel=0.1) == BALL
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("kind", list(BODIES))
+@pytest.mark.parametrize("kind", list(COEFFICIENTS))
 def test_the_published_contacts_on_a_coarse_mesh(kind):
     slopes, forces = table(kind)
     rows = list(elastic.Contact(kind, 0.3, elastic.MESHES[2]).rows(tuple(slopes[:2])))
     assert [row.force_ratio for row in rows] == pytest.approx(forces[:2], rel=0.02)
 
 
-@pytest.mark.parametrize(("kind", "largest"), [("ball", 0.005), ("half-space", 0.015)])
-def test_the_force_against_finite_elements(kind, largest):
+@pytest.mark.parametrize(("kind", "terms"), [("ball", 3), ("half-space", 1)])
+def test_the_coefficients_are_the_first_terms_of_the_published_contacts(kind, terms):
     slopes, forces = table(kind)
-    terms = excess([Body(1.0, BODIES[kind])])
-    fitted = 1 + sum(c * slopes**k for k, c in enumerate(terms, 1))
     assert slopes[-1] >= 0.44
-    assert np.abs(fitted / forces - 1).max() < largest
-    count = 3 if kind == "ball" else 1
-    assert elastic.fitted(slopes, forces, count) == pytest.approx(terms[:count], abs=2e-3)
+    assert elastic.fitted(slopes, forces, terms)[0] == pytest.approx(COEFFICIENTS[kind], abs=2e-3)
 
 
 def energetic(slopes, forces, hertz):
@@ -126,23 +120,48 @@ def energetic(slopes, forces, hertz):
     return optimize.brentq(lacking, 0.3, 1.5)
 
 
-@pytest.mark.parametrize("kind", list(BODIES))
-def test_the_estimate_against_finite_elements(kind):
-    for hertz in (0.05, 0.13, 0.27, 0.42, 0.5):
-        exact = abs(1 / energetic(*table(kind), hertz) - 1)
-        assert change(excess([Body(1.0, BODIES[kind])]), hertz) == pytest.approx(exact, rel=0.05, abs=5e-3)
+def struck(slope, large=True, **material):
+    """An elastic ball on a rigid plane that reaches √(δ/R) = slope by Hertz's law."""
+    soft = {"youngs_modulus": "5 MPa", "poissons_ratio": 0.3, "density": "1000 kg/m^3"} | material
+    rigid = {"youngs_modulus": "9e4 GPa", "poissons_ratio": 0.3, "density": "7850 kg/m^3"}
+    velocity = math.sqrt(0.8 / math.pi * 5e6 / (1 - 0.3**2) / 1000) * slope**2.5
+    effects = fm.Effects(gravity=False, large_slope=large)
+    return fm.Scene(fm.Sphere("20 mm", f"{velocity!r} m/s", material=soft), fm.HalfSpace(rigid), effects=effects)
+
+
+IMPACTS = (  # ν, √(δ/R) by Hertz's law; force, indentation and time over Hertz's, as ball.py prints
+    (0.2, 0.27, 1.110, 0.927, 0.934),
+    (0.3, 0.13, 1.057, 0.962, 0.960),
+    (0.3, 0.2, 1.073, 0.941, 0.946),
+    (0.3, 0.27, 1.121, 0.919, 0.924),
+    (0.3, 0.35, 1.154, 0.889, 0.915),
+    (0.3, 0.42, 1.171, 0.864, 0.893),
+    (0.3, 0.5, 1.164, 0.827, 0.863),
+    (0.45, 0.13, 1.056, 0.958, 0.959),
+    (0.45, 0.27, 1.109, 0.912, 0.933),
+    (0.49, 0.27, 1.106, 0.908, 0.940),
+)
+
+
+@pytest.mark.parametrize("impact", IMPACTS)
+def test_the_law_against_impacts_of_a_ball_with_its_inertia(impact):
+    """Which the coefficient was not fitted to; Hertz's own errors are 5 to 17 %."""
+    _, slope, force, depth, time = impact
+    steep, hertz = (fm.simulate(struck(slope, large), accuracy=1e-6).summary for large in (True, False))
+    names = ("maximum_force", "maximum_indentation", "contact_duration")
+    off = [steep[name] / hertz[name] / value - 1 for name, value in zip(names, (force, depth, time), strict=True)]
+    most = (0.017, 0.023, 0.025) if slope < 0.4 else (0.037, 0.065, 0.015)
+    assert [abs(each) < allowed for each, allowed in zip(off, most, strict=True)] == [True] * 3, off
 
 
 @needs_gcc
 @pytest.mark.slow
-def test_the_estimate_against_impacts_of_a_ball_with_its_inertia():
-    impact = ball.strike(0.3, 0.42, 8)
-    assert impact.energy == pytest.approx(1.0, abs=5e-3)
-    assert 0.97 < impact.restitution < 1.0
-    assert 1.1 < impact.force < 1.2
-    assert impact.depth == pytest.approx(0.864, abs=0.02)
-    estimate = change(excess([Body(1.0, 1.0)]), 0.42)
-    assert 1 / 1.3 < estimate / (1 / impact.depth - 1) < 1.3
+@pytest.mark.parametrize(("impact", "elements"), [(IMPACTS[3], 8), (IMPACTS[5], 8), (IMPACTS[8], 8)])
+def test_the_impacts_of_a_ball_with_its_inertia(impact, elements):
+    found = ball.strike(*impact[:2], elements)
+    assert found.energy == pytest.approx(1.0, abs=5e-3)
+    assert 0.97 < found.restitution < 1.0
+    assert found[:3] == pytest.approx(impact[2:], rel=0.03)
 
 
 def test_a_static_law_would_raise_the_force_of_an_impact_too_much():
@@ -157,11 +176,82 @@ def test_a_static_law_would_raise_the_force_of_an_impact_too_much():
     assert lasting / (4.0 / wave) == pytest.approx(2.2, abs=0.05)
 
 
-def test_the_excess_vanishes_with_the_slope_and_is_shared():
-    whole, plane = Body(1.0, 1.0), Body(1.0, 0.0)
-    assert change(excess([whole]), 0.0) == 0.0
-    assert change(excess([whole]), 2e-6) == pytest.approx(2 * change(excess([whole]), 1e-6), rel=1e-5)
-    mixed = excess([whole._replace(share=0.25), plane._replace(share=0.75)])
-    assert mixed == pytest.approx([0.25 * a + 0.75 * b for a, b in zip(excess([whole]), excess([plane]), strict=True)])
-    twin = Body(0.5, 0.5)  # each of two equal balls against the plane between them
-    assert change(excess([twin, twin]), 0.2) == pytest.approx(change(excess([whole]), 0.1), rel=1e-12)
+def test_each_body_counts_by_its_share_of_the_compliance():
+    soft = {"youngs_modulus": "5 MPa", "poissons_ratio": 0.3, "density": "1000 kg/m^3"}
+    hard = soft | {"youngs_modulus": "9e4 GPa"}
+    ball = fm.Sphere("20 mm", "1 m/s", material=soft)
+
+    def coefficient(impactor, target):
+        return fm.Scene(impactor, target).slope_coefficient
+
+    assert coefficient(ball, fm.HalfSpace(hard)) == pytest.approx(BALL, rel=1e-6)
+    assert coefficient(fm.Sphere("20 mm", "1 m/s", material=hard), fm.HalfSpace(soft)) == pytest.approx(HALF_SPACE)
+    assert coefficient(ball, fm.HalfSpace(soft)) == pytest.approx(0.5 * (BALL + HALF_SPACE))
+    assert coefficient(ball, fm.Body(soft, radius="20 mm")) == pytest.approx(BALL / 2)
+    assert coefficient(ball, fm.Body(hard, radius="60 mm")) == pytest.approx(0.75 * BALL)
+    given = fm.Contact("hertz", effective_modulus="5 MPa")
+    assert fm.Scene(fm.Sphere("20 mm", "1 m/s", mass="4 g"), fm.HalfSpace(), given).slope_coefficient is None
+
+
+def test_the_law_against_an_independent_integration():
+    from scipy.integrate import solve_ivp
+
+    history = fm.simulate(struck(0.42, loss_factor=0.1), accuracy=1e-8)
+    law, scene = history.problem.law, history.scene
+    stiff, radius, mass = 4 / 3 * scene.effective_modulus * 0.02**0.5, 0.02, scene.mass
+    assert law.name == "damped-large-slope" and 0.88 < law.restitution < 0.89
+    factor, scale = law.damping_factor(mass, 1.0, 1.0), radius / BALL**2
+
+    def motion(_, y):
+        depth = max(y[0], 0.0)
+        force = (
+            stiff * depth**1.5 * (1 + BALL * (depth / radius) ** 0.5)
+            + factor * (depth**0.25 + 1.2 * scale**-0.75 * depth) * y[1]
+        )
+        return [y[1], -force / mass]
+
+    def ends(t, y):
+        return motion(t, y)[1] if t > 1e-4 else -1.0
+
+    ends.terminal = True
+    done = solve_ivp(motion, (0, 1), [0, scene.approach_velocity], "DOP853", rtol=1e-12, atol=1e-16, events=ends)
+    assert history.summary["contact_duration"] == pytest.approx(done.t[-1], rel=1e-7)
+    assert history.summary["rebound_velocity"] == pytest.approx(done.y[1, -1], rel=1e-7)
+
+
+@pytest.mark.parametrize("restitution", [0.98, 0.75, 0.4])
+def test_the_restitution_is_the_same_for_all_velocities(restitution):
+    for slope in (0.05, 0.13, 0.27, 0.42, 0.5):
+        scene = struck(slope).replace({"contact.law": "damped-large-slope", "contact.restitution": restitution})
+        lost = 1 - fm.simulate(scene).summary["coefficient_of_restitution"]
+        assert lost == pytest.approx(1 - restitution, rel=0.02 if slope < 0.5 else 0.04)
+
+
+def test_one_impact_and_many_agree():
+    scene = struck(0.1, "auto", loss_factor=0.05)
+    speeds = [0.002, 0.02, 0.2, 1.0, 3.0]
+    batch = fm.simulate_batch(scene, velocity=[f"{speed} m/s" for speed in speeds])
+    laws = set()
+    for place, speed in enumerate(speeds):
+        history = fm.simulate(scene.replace({"impactor.velocity": f"{speed} m/s"}))
+        laws.add(history.problem.law.name)
+        assert batch.summary["maximum_force"][place] == pytest.approx(history.summary["maximum_force"], rel=1e-6)
+    assert laws == {"tsuji", "damped-large-slope"}
+
+
+def test_a_scene_chooses_the_law():
+    assert fm.simulate(struck(0.005, "auto")).problem.law.name == "hertz"
+    assert fm.simulate(struck(0.005, True)).problem.law.name == "large-slope"
+    off = fm.simulate(struck(0.27, False))
+    assert off.problem.law.name == "hertz" and any("large slope" in warning for warning in off.warnings)
+    auto = fm.simulate(struck(0.27, "auto"))
+    assert auto.problem.law.name == "large-slope"
+    assert not any("large slope" in warning for warning in auto.warnings)
+    named = fm.simulate(struck(0.27, "auto").replace({"contact.law": "large-slope"}))
+    assert named.summary["maximum_force"] == auto.summary["maximum_force"]
+    for law, large in (("large-slope", "auto"), ("auto", True)):
+        contact, effects = fm.Contact(law, effective_modulus="1 GPa"), fm.Effects(large_slope=large)
+        with pytest.raises(fm.SceneError, match="need the material of a body"):
+            fm.Scene(fm.Sphere("5 mm", "1 m/s", mass="4 g"), fm.HalfSpace(), contact, effects)
+    with pytest.raises(ValueError, match=r"slope_coefficient.*must be > 0"):
+        fm.LargeSlope(1e6, 0.01, slope_coefficient=0.0)

@@ -87,8 +87,9 @@ def test_no_material_with_losses_rebounds_without_loss(name):
     expected = loss_restitution(one.loss_factor)
     effect = damping(one)
     if effect.state == SIMULATED:
-        assert rebound(one) == pytest.approx(expected, rel=1e-4)
-        assert choose(one).problem.law.name == "tsuji"
+        law = choose(one).problem.law.name
+        assert law in ("tsuji", "damped-large-slope")
+        assert 1 - rebound(one) == pytest.approx(1 - expected, rel=1e-4 if law == "tsuji" else 0.02)
     else:
         assert effect.change < 0.02 and effect.state != NOT_MODELLED
     elastic = name.startswith(("natural rubber", "polyurethane"))
@@ -101,7 +102,7 @@ def test_restitution_never_rises_through_first_yield():
     assert np.diff(found).max() < 1e-4
     assert found[0] == pytest.approx(0.965, abs=0.001) and found[-1] < 0.8
     laws = [choose(scene("PMMA", f"{speed} m/s")).problem.law.name for speed in (0.3, 1.0, 5.0)]
-    assert laws == ["tsuji", "tsuji", "elastoplastic"]
+    assert laws == ["damped-large-slope", "damped-large-slope", "elastoplastic"]
 
 
 def test_what_is_left_out_is_said():
@@ -111,7 +112,7 @@ def test_what_is_left_out_is_said():
     fast = scene("PMMA", "5 m/s")
     assert "the law elastoplastic has no damping" in damping(fast).warning
     forced = scene("PMMA", "5 m/s", material_damping=True)
-    assert rebound(forced) == pytest.approx(loss_restitution(forced.loss_factor), rel=1e-4)
+    assert 1 - rebound(forced) == pytest.approx(1 - loss_restitution(forced.loss_factor), rel=0.02)
     assert any("plasticity" in text for text in fm.simulate(forced).warnings)
     held = replace(scene("PMMA"), target=fm.Plate("mild steel", thickness="2 mm", static_stiffness="1e7 N/m"))
     assert "static stiffness" in damping(held).warning
@@ -139,7 +140,7 @@ def test_batches_sweeps_and_components_decide_alike():
     losses = np.array([0.0, 0.02, 0.05])
     varied = simulate_many(scene("PMMA"), {"impactor.material.loss_factor": losses})
     expected = loss_restitution(losses * scene("PMMA").loss_factor / 0.03)
-    assert varied.summary["coefficient_of_restitution"] == pytest.approx(expected, rel=1e-4)
+    assert 1 - varied.summary["coefficient_of_restitution"] == pytest.approx(1 - expected, rel=0.02, abs=1e-6)
 
 
 @pytest.mark.slow
@@ -162,7 +163,7 @@ def test_a_ball_deeper_than_the_end_of_the_law_is_an_error_not_elastic(target, m
 
 def test_fmus_contain_the_damped_law():
     served = fmu_wrapper.served(scene("PMMA"))
-    assert served.contact.law_name == "tsuji"
+    assert served.contact.law_name == "damped-large-slope"
     assert rebound(served) == pytest.approx(rebound(scene("PMMA")), rel=1e-9)
     assert fmu_wrapper.served(scene("PMMA", "5 m/s")).contact.law_name == "elastoplastic"
 

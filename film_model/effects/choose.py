@@ -19,6 +19,7 @@ from film_model.base.arrays import all_of, any_of, either
 from film_model.base.errors import SimulationError
 from film_model.effects import (
     gravity,
+    large_slope,
     material_damping,
     plasticity,
     rate_hardening,
@@ -33,11 +34,12 @@ from film_model.effects.judged import judge
 from film_model.effects.law_range import law_warnings
 from film_model.effects.plausibility import remarks
 from film_model.effects.target_motion import Support
-from film_model.problem.law_of_scene import DAMPED, SceneLaw, laws_of
+from film_model.problem.law_of_scene import ELASTIC, STEEP, SceneLaw, laws_of
 from film_model.problem.problem import Impacts, Problem
 from film_model.scene import Scene
 
 _SETTLED = {
+    "large_slope": large_slope.settled,
     "material_damping": material_damping.settled,
     "stretching": stretching.settled,
     "wave_losses": wave_losses.settled,
@@ -96,7 +98,7 @@ class Choice:
     @property
     def _damps(self) -> bool:
         """Whether the losses of the materials replace the elastic or the yielding law."""
-        return self.problem.law.name == DAMPED and self.scene.contact.law == "auto"
+        return self.problem.law.damped and self.scene.contact.law == "auto"
 
     @property
     def _neglected(self) -> tuple[Effect, ...]:
@@ -130,6 +132,8 @@ class Choice:
     def _ending(self) -> Problem:
         """The impact without vibrations; without its weight, if that is small and keeps the impactor on the target."""
         tried = self.yielding if self.decided[2] else plasticity.elastic(self.yielding)
+        if self.problem.law.name in STEEP.values() and tried.law.name == ELASTIC:
+            tried = tried.again(law=STEEP[ELASTIC])
         # an impactor that stays on the target has made an impact first where its weight is far below the largest force
         if tried.trial.ends or not 0.0 < tried.load < 0.1 * tried.trial.summary.maximum_force:
             return tried
@@ -185,8 +189,9 @@ def _decided(light: Problem, support: Support) -> Iterator[tuple[Problem, Proble
             problem = _vibrating(plain) if support.vibrates and moves else plain
             for relaxed in _replaced(problem, *viscoelasticity.relaxing(problem)):
                 for damped in _replaced(relaxed, *material_damping.damped(relaxed)):
-                    for part in _replaced(damped, *wave_losses.radiating(damped)):
-                        yield part, moved, yielding, (heavy, moves, keeps_law)
+                    for sloped in _replaced(damped, *large_slope.steep(damped)):
+                        for part in _replaced(sloped, *wave_losses.radiating(sloped)):
+                            yield part, moved, yielding, (heavy, moves, keeps_law)
 
 
 def _held(moved: Problem, moves: Any) -> list[Problem]:

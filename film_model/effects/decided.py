@@ -11,7 +11,7 @@ import numpy as np
 
 from film_model.base.arrays import Array, Mask
 from film_model.effects import wave_losses
-from film_model.problem.law_of_scene import DAMPED, YIELDING, SceneLaw, laws_of
+from film_model.problem.law_of_scene import STEEP, YIELDING, SceneLaw, laws_of
 from film_model.problem.problem import Impacts, Problem
 from film_model.scene import Scene
 from film_model.scene.columns import scene_of_columns
@@ -19,7 +19,8 @@ from film_model.scene.columns import scene_of_columns
 
 class Decision(NamedTuple):
     """What is simulated in an impact. motion: of the target, of a half-space by its waves. static: by the target's
-    static stiffness. hard: strength at the strain rate. damps: by the loss factors of the materials."""
+    static stiffness. hard: strength at the strain rate. damps: by the loss factors of the materials.
+    steep: with the slopes of the surfaces."""
 
     gravity: bool
     motion: bool
@@ -27,6 +28,7 @@ class Decision(NamedTuple):
     yields: bool
     hard: bool
     damps: bool
+    steep: bool
 
     def put_into(self, scene: Scene) -> Scene:
         """The scene with this decision in place of "auto"."""
@@ -36,7 +38,7 @@ class Decision(NamedTuple):
         else:
             effects["wave_losses"] = self.motion
         if scene.contact.law == "auto":
-            effects |= {"plasticity": self.yields, "material_damping": self.damps}
+            effects |= {"plasticity": self.yields, "material_damping": self.damps, "large_slope": self.steep}
         if scene.target.structural and self.motion:
             effects["boundary_reflections"] = self.static
         if self.static:
@@ -49,7 +51,7 @@ def decisions_of(problem: Problem) -> dict[Decision, Mask]:
     strength, slow = problem.impacts.law.strength, problem.impacts.scene.yield_strength
     hard = False if strength is None or slow is None else strength > slow
     static = problem.curve.native.compliance > 0.0
-    damps = problem.law.name == DAMPED and problem.scene.contact.law == "auto"
+    damps, steep = problem.law.damped and problem.scene.contact.law == "auto", problem.law.name in STEEP.values()
     shape = np.shape(problem.approach) or (1,)
     moves = np.isfinite(problem.impedance) | static | problem.vibrates
     gravity, motion, harder = (np.broadcast_to(column, shape) for column in (problem.load > 0.0, moves, hard))
@@ -57,7 +59,7 @@ def decisions_of(problem: Problem) -> dict[Decision, Mask]:
     for each in product((False, True), repeat=3):
         mask = (gravity == each[0]) & (motion == each[1]) & (harder == each[2])
         if mask.any():
-            found[Decision(each[0], each[1], static, problem.law.name == YIELDING, each[2], damps)] = mask
+            found[Decision(each[0], each[1], static, problem.law.name == YIELDING, each[2], damps, steep)] = mask
     return found
 
 

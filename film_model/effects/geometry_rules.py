@@ -1,4 +1,4 @@
-"""Effects of the shape of the bodies: slopes, whole balls, oblique impact; and those that the target judges."""
+"""Oblique impact, and the effects that the target judges."""
 
 from __future__ import annotations
 
@@ -8,9 +8,7 @@ from collections.abc import Callable
 from film_model.base.units import format_si
 from film_model.effects.case import ABSENT, Case, Rule
 from film_model.effects.effect import FREE, SIMULATED, Effect
-from film_model.effects.elastic_ball import COMPUTED, Body, change, excess
 from film_model.effects.oblique_limits import LARGEST, expected, unknown
-from film_model.laws.hertz import hertz_stiffness
 from film_model.scene import Scene
 from film_model.targets import AbstractTarget, Estimate
 
@@ -35,54 +33,6 @@ def by_target(method: str) -> Callable[[Case, Rule], Effect]:
 
     judge.__doc__ = getattr(AbstractTarget, method).__doc__
     return judge
-
-
-def small_slope(case: Case, rule: Rule) -> Effect:
-    """Hertz's half-spaces and paraboloids instead of balls.
-
-    By [finite elements](finite_elements.md#elastic-contacts-of-large-slope) an elastic ball presses harder than
-    Hertz's; Sneddon's rigid sphere less by a²/(10 R²). Shares of the compliance weight the bodies. The change is that
-    of the indentation at the energy of the impact; force and contact time change less. From an indentation of one
-    radius no law is valid.
-    """
-    deepest = 1.0  # over the effective radius: half the ball is below the surface, and no contact law is valid
-    scene = case.scene
-    modulus, radius = scene.effective_modulus, scene.effective_radius
-    if scene.nose is not None:
-        beyond = case.contact_radius / scene.impactor.radius
-        if beyond > 1.0:
-            return rule.failing(f"the {scene.impactor.shape} is pressed in beyond its base", beyond, 1.0)
-        return rule.unjudged("known for balls only", beyond)
-    if modulus is None:
-        return rule.unjudged("missing: an effective modulus")
-    if case.indentation > deepest * radius:
-        why = f"the indentation is {case.indentation / radius:.3g} times the radius: no contact law is valid so deep"
-        return rule.failing(why, case.contact_radius / radius, math.sqrt(deepest))
-    hertz = (case.force / hertz_stiffness(modulus, radius)) ** (2.0 / 3.0)  # elastic part of the indentation
-    bodies, known = _bodies(scene, modulus)
-    size = change(excess(bodies), math.sqrt(hertz / radius)) * hertz / case.indentation
-    value = case.contact_radius / radius
-    threshold = case.tolerance * value / size if size > 0.0 else None
-    why = f"the contact radius is {value:.2g} R: the indentation is about {100 * size:.2g} % off by Hertz's theory"
-    why += "" if value <= COMPUTED else f"; computed was up to {COMPUTED:g} R"
-    if not known and size > case.tolerance:
-        why = f"missing: impactor.material; if the target is much stiffer, {why}"
-        return rule.unjudged(why, value, threshold)
-    return rule.sized(case.tolerance, value, threshold, min(size, 1.0), why)
-
-
-def _bodies(scene: Scene, modulus: float) -> tuple[list[Body], bool]:
-    """The bodies, and whether their shares of the indentation are known; otherwise the ball is taken as the whole."""
-    bodies = (scene.impactor, scene.target)
-    soft = [None if (m := body.material) is None else (1.0 - m.poissons_ratio**2) / m.youngs_modulus for body in bodies]
-    total = 1.0 / modulus if None in soft else sum(c for c in soft if c is not None)
-    balls, found = (True, scene.target.free), list[Body]()
-    for body, ball, own, other in zip(bodies, balls, soft, soft[::-1], strict=True):
-        rest = 1.0 if ball else 0.0  # of two unknown bodies
-        share = own / total if own is not None else rest if other is None else 1.0 - other / total
-        curvature = scene.effective_radius / body.radius if ball else 0.0
-        found.append(Body(min(max(share, 0.0), 1.0), curvature))
-    return found, soft != [None, None]
 
 
 def obliqueness(case: Case, rule: Rule) -> Effect:

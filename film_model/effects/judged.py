@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from film_model.effects import geometry_rules as geometry
+from film_model.effects import large_slope
 from film_model.effects import material_rules as materials
 from film_model.effects.case import Case, Rule, case_of
 from film_model.effects.effect import Effect
@@ -75,10 +76,10 @@ _TABLE: dict[str, tuple[str, str, Callable[[Case, Rule], Effect]]] = {
         "response to a half-sine of the contact time T on a fixed target",
         geometry.by_target("omitted_modes"),
     ),
-    "small_slope": (
+    "large_slope": (
         "a/R",
         "fitted to axisymmetric finite elements made for this package; compare Sneddon 1965, Tatara 1991",
-        geometry.small_slope,
+        large_slope.judge,
     ),
     "contact_width": (
         "a/h",

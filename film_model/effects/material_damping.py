@@ -15,7 +15,7 @@ from film_model.base.arrays import any_of, either
 from film_model.effects.effect import FREE, NOT_MODELLED, SIMULATED, Effect, off_state
 from film_model.effects.trial import matters
 from film_model.laws.damping import loss_restitution
-from film_model.problem.law_of_scene import DAMPED, ELASTIC, YIELDING, law_named
+from film_model.problem.law_of_scene import DAMPED, ELASTIC, STEEP, YIELDING, law_named
 from film_model.problem.problem import Problem
 from film_model.scene import Scene
 
@@ -69,7 +69,7 @@ def settled(effect: Effect, problem: Problem) -> Effect:
     scene, law, share = problem.scene, problem.law.name, effect.change
     if scene.loss_factor is None:
         return effect
-    if law == DAMPED and scene.contact.law == "auto":
+    if problem.law.damped and scene.contact.law == "auto":
         return effect._replace(state=SIMULATED, threshold=None, reason=f"{effect.reason}: law {law}", cost=FREE)
     if share is None:
         return effect
@@ -78,5 +78,9 @@ def settled(effect: Effect, problem: Problem) -> Effect:
         return effect._replace(state=state, reason=f"the scene has material_damping = false; {effect.reason}")
     if effect.state != NOT_MODELLED:
         return effect
-    why = hindered(problem) if law == ELASTIC and scene.contact.law == "auto" else f"the law {law} has no damping"
+    why = (
+        hindered(problem)
+        if law in (ELASTIC, STEEP[ELASTIC]) and scene.contact.law == "auto"
+        else f"the law {law} has no damping"
+    )
     return effect._replace(reason=f"{effect.reason}; {why}")

@@ -34,7 +34,7 @@ from film_model.oblique.result import MODELLED, OBLIQUE, OPEN, REGIMES
 from film_model.plot import strobe
 from film_model.plot.style import COLOURS
 from film_model.problem.families import TERMS, mean_matrix, series_matrix
-from film_model.problem.law_of_scene import DAMPED, ELASTIC, YIELDING
+from film_model.problem.law_of_scene import DAMPED, ELASTIC, STEEP, YIELDING
 from film_model.problem.model_intervals import (
     BRITTLE,
     COVERED,
@@ -57,7 +57,15 @@ from film_model.targets import HalfSpace, Plate
 from film_model.targets.supports import SUPPORTS
 from film_model.version import __version__
 
-SWITCHES = ("plasticity", "target_motion", "gravity", "rate_hardening", "material_damping", "wave_losses")
+SWITCHES = (
+    "plasticity",
+    "target_motion",
+    "gravity",
+    "rate_hardening",
+    "material_damping",
+    "wave_losses",
+    "large_slope",
+)
 """Effects that the page decides again for every change, by the same formulas."""
 
 
@@ -311,7 +319,7 @@ def _constants() -> dict[str, Any]:
         "trial_segments": 4 * TRIAL_SEGMENTS,  # the page marches lines only; the trial in Python takes shorter ways
         **{"sure": SURE, "settled": SETTLED, "most_rounds": MOST_ROUNDS},
         **{"yields": YIELDS, "agreement": AGREEMENT, "accuracy": DEFAULT_ACCURACY, "tolerance": DEFAULT_TOLERANCE},
-        **{"elastic": ELASTIC, "yielding": YIELDING, "damped": DAMPED, "polymer": KINDS.index(POLYMER)},
+        **{"elastic": ELASTIC, "yielding": YIELDING, "damped": DAMPED, "steep": STEEP, "polymer": KINDS.index(POLYMER)},
         "brittle": KINDS.index(BRITTLE),
         **{"least_restitution": LEAST_RESTITUTION, "least_gain": LEAST_GAIN},
         **{"most_weight": MOST_WEIGHT, "not_modelled": NOT_MODELLED, "compared": COMPARED},

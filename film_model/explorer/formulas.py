@@ -49,7 +49,7 @@ from film_model.targets import AbstractTarget
 
 FROM_SCENE = (
     *("effective_modulus", "effective_radius", "yield_strength", "flow_strength", "strain_hardening_exponent"),
-    *("poissons_ratio", "elastic_share", "softer_curvature", "stressed_poissons_ratio"),
+    *("poissons_ratio", "elastic_share", "softer_curvature", "slope_coefficient", "stressed_poissons_ratio"),
 )
 """Properties of a scene, besides its :class:`Numbers`, that laws take."""
 

@@ -14,6 +14,7 @@ from film_model.laws.unloading import BrakeUnloading, Retrace
 
 if TYPE_CHECKING:
     from film_model.laws.big_alabo import BigAlabo
+    from film_model.laws.damped_large_slope import DampedLargeSlope
     from film_model.laws.dmt import Dmt
     from film_model.laws.elastoplastic import Elastoplastic
     from film_model.laws.hertz import Hertz
@@ -22,6 +23,7 @@ if TYPE_CHECKING:
     from film_model.laws.jkr import Jkr
     from film_model.laws.kogut_etsion import KogutEtsion
     from film_model.laws.kuwabara_kono import KuwabaraKono
+    from film_model.laws.large_slope import LargeSlope
     from film_model.laws.linear_dashpot import LinearDashpot
     from film_model.laws.luding import Luding
     from film_model.laws.meyer import Meyer
@@ -38,9 +40,10 @@ if TYPE_CHECKING:
 LAWS: LateClasses[AbstractLaw] = LateClasses(
     __name__,
     (
-        *("hertz", "meyer", "elastoplastic", "big-alabo", "stronge", "thornton", "kogut-etsion", "jackson-green"),
-        *("yigit-christoforou", "rigid-plastic", "walton-braun", "luding", "tan-sun", "tabulated"),
-        *("linear-dashpot", "tsuji", "hunt-crossley", "kuwabara-kono", "jkr", "dmt", "thornton-ning"),
+        *("hertz", "large-slope", "meyer", "elastoplastic", "big-alabo", "stronge", "thornton", "kogut-etsion"),
+        *("jackson-green", "yigit-christoforou", "rigid-plastic", "walton-braun", "luding", "tan-sun", "tabulated"),
+        *("linear-dashpot", "tsuji", "damped-large-slope", "hunt-crossley", "kuwabara-kono"),
+        *("jkr", "dmt", "thornton-ning"),
     ),
 )
 """Every named law, in the order of lists, pictures and pages. All of these, and the tests, are made from it."""
@@ -55,6 +58,7 @@ __all__ = [
     "AbstractLaw",
     "BigAlabo",
     "BrakeUnloading",
+    "DampedLargeSlope",
     "Dmt",
     "Elastoplastic",
     "Hertz",
@@ -63,6 +67,7 @@ __all__ = [
     "Jkr",
     "KogutEtsion",
     "KuwabaraKono",
+    "LargeSlope",
     "LinearDashpot",
     "Luding",
     "Meyer",

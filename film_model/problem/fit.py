@@ -186,10 +186,11 @@ def halved(stage: Stage, functions: Mapping[str, Function], room: int) -> tuple[
     end = stage.end if stage.reach is None else stage.reach
     edges = [stage.begin, *(knot for knot in stage.knots if stage.begin < knot < end), end]
     from_nothing = stage.begin == 0.0 and values_of(stage.force, np.zeros(1), stage)[0] == 0.0
-    if "force" in fitted and from_nothing and not stage.root and len(edges) + len(_CLOSER) <= room:
-        edges[1:1] = [part * edges[1] for part in _CLOSER]
-    spans = [(a, b, stage.root and a == stage.begin) for a, b in pairwise(edges if fitted else [edges[0], edges[-1]])]
-    pieces = [(a, b, root, *fit(fitted, a, b, root)) for a, b, root in spans]
+    knot = edges[1]
+    if "force" in fitted and from_nothing and len(edges) + len(_CLOSER) <= room:
+        edges[1:1] = [part * knot for part in _CLOSER]
+    spans = [(a, b, stage.root and b <= knot) for a, b in pairwise(edges if fitted else [edges[0], edges[-1]])]
+    pieces = [(a, b, root, *fit(fitted, stage.begin if root else a, b, root)) for a, b, root in spans]
     while fitted and len(pieces) < room:
         worst = max(range(len(pieces)), key=lambda k: pieces[k][4])
         begin, end, root, _, error = pieces[worst]
@@ -199,7 +200,7 @@ def halved(stage: Stage, functions: Mapping[str, Function], room: int) -> tuple[
         # a root stage is split near its singular point, so that the function is smooth on the rest
         middle = begin + (0.25 if root else 0.5) * (end - begin)
         pieces[worst : worst + 1] = [
-            (begin, middle, root, *fit(fitted, begin, middle, root)),
+            (begin, middle, root, *fit(fitted, stage.begin if root else begin, middle, root)),
             (middle, end, False, *fit(fitted, middle, end, False)),
         ]
     return [(a, b, root, series) for a, b, root, series, _ in pieces], max(piece[4] for piece in pieces)
@@ -238,6 +239,7 @@ def _fill(
 ) -> float:
     """Write one piece. work: done in the stage before this piece; returns the work up to its end."""
     begin, end, root, series = span
+    start = stage.begin if root else begin
     piece.end = end
     for name, function in functions.items():
         target = getattr(piece, name)
@@ -246,16 +248,17 @@ def _fill(
             target.constant, target.slope = function.constant, function.slope
             target.coefficient, target.exponent = function.coefficient, function.exponent
         else:
-            _write(target, series[name], begin, end, root)
+            _write(target, series[name], start, end, root)
     if isinstance(stage.force, Power):
         origin = origin_of(stage.force, stage)
         at_begin = _power_work(stage.force, begin - origin)
         piece.work_at_begin = at_begin - work
         return work + _power_work(stage.force, end - origin) - at_begin if end < math.inf else work
     mean = mean_series(series["force"], root)
-    _write(piece.mean, mean, begin, end, root)
-    piece.work_at_begin = -work
-    return work + (end - begin) * float(np.polynomial.chebyshev.chebval(1.0, mean))
+    _write(piece.mean, mean, start, end, root)
+    before, whole = np.polynomial.chebyshev.chebval([2.0 * math.sqrt((begin - start) / (end - start)) - 1.0, 1.0], mean)
+    piece.work_at_begin = float(begin - start) * float(before) - work
+    return work + (end - start) * float(whole) - (begin - start) * float(before)
 
 
 def _power_work(power: Power, reach: float) -> float:

@@ -21,6 +21,9 @@ ELASTIC, YIELDING, DAMPED = "hertz", "elastoplastic", "tsuji"
 """What law "auto" means below and above yield, and where the losses of the materials matter more than yield;
 docs/validation.md compares the laws with measurements."""
 
+STEEP = {ELASTIC: "large-slope", DAMPED: "damped-large-slope"}
+"""What law "auto" means in place of these where the slopes of the surfaces matter."""
+
 POWER = "meyer"
 """What law "auto" means for a cone and a flat punch."""
 
@@ -35,6 +38,7 @@ _FROM_SCENE = {
     "strain_hardening_exponent": "strain_hardening_exponent",
     "elastic_share": "elastic_share",
     "softer_curvature": "softer_curvature",
+    "slope_coefficient": "slope_coefficient",
     "work_of_adhesion": "work_of_adhesion",
 }
 """Fields of laws that are taken from the scene → properties of the scene."""
@@ -176,7 +180,7 @@ def law_values(scene: Scene, law: type[AbstractLaw]) -> dict[str, Any]:
         filled["poissons_ratio"] = ASSUMED_POISSONS_RATIO
     if scene.flow_strength is not None:
         filled |= law.over_strength(scene.flow_strength)
-    if law.name == DAMPED and scene.contact.law == "auto" and scene.loss_factor is not None:
+    if law.name in (DAMPED, STEEP[DAMPED]) and scene.contact.law == "auto" and scene.loss_factor is not None:
         filled["restitution"] = loss_restitution(scene.loss_factor)
     if law.name == POWER and scene.contact.law == "auto" and scene.nose is not None:
         filled |= {"stiffness": scene.nose.factor * scene.effective_modulus, "exponent": scene.nose.exponent}
@@ -228,13 +232,15 @@ def laws_of(scene: Scene) -> Iterator[tuple[AbstractLaw | type[AbstractLaw], Any
     if scene.nose is not None:
         yield LAWS[POWER], True
         return
-    if scene.effects.material_damping is True and scene.loss_factor is not None and plastic is not True:
-        yield LAWS[DAMPED], True
+    damps = scene.effects.material_damping if scene.loss_factor is not None else False
+    if damps is True and plastic is not True:
+        yield LAWS[STEEP[DAMPED] if scene.effects.large_slope is True else DAMPED], True
         return
     if plastic == "auto":
         yields = reaches_yield(scene)
         plastic = False if yields is None else yields & can_yield(scene)
     if not all_of(plastic):
-        yield LAWS[ELASTIC], np.logical_not(plastic)
+        fixed = scene.effects.large_slope is True and damps is False and plastic is False
+        yield LAWS[STEEP[ELASTIC] if fixed else ELASTIC], np.logical_not(plastic)
     if any_of(plastic):
         yield LAWS[YIELDING], plastic

@@ -17,7 +17,7 @@ from film_model.base.arrays import either, root
 from film_model.base.units import format_si
 from film_model.laws.yielding import yield_point
 from film_model.problem.brittle import fails
-from film_model.problem.law_of_scene import ELASTIC
+from film_model.problem.law_of_scene import ELASTIC, STEEP
 from film_model.problem.law_of_scene import YIELDING as YIELDS
 from film_model.problem.problem import Problem
 from film_model.scene import Scene
@@ -147,7 +147,8 @@ def asked_number(problem: Problem) -> Any:
         number = ASKED.index(ADHESIVE)
     elif base.contact.law == "auto" and base.effects.rate_hardening is not False:
         family, polymer = family_number(scene), KINDS.index(POLYMER)
-        elastic, yields = (problem.relaxation is None and problem.law.name == law for law in (ELASTIC, YIELDS))
+        law = problem.law.name if problem.relaxation is None else ""
+        elastic, yields = law in (ELASTIC, STEEP[ELASTIC]), law == YIELDS
         took = (family == polymer) | ((family == 0) & elastic) | ((family != 0) & yields)
         number = either(took, either(fails(problem), KINDS.index(BRITTLE), family), -1)
     return either((problem.gamma > 0.0) & scene.target.gives_way, -1, number)

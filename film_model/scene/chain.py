@@ -16,9 +16,9 @@ from film_model.scene.chain_body import MOST_BODIES, ChainBody
 from film_model.scene.contact import Contact, contact_table
 from film_model.scene.impactor import Sphere
 from film_model.scene.options import Effects
-from film_model.scene.scene import Scene, find_files, scene_of
+from film_model.scene.scene import Scene, scene_of
 from film_model.scene.sections import target_of
-from film_model.scene.toml import placed, read_text, text_from_table, toml_table
+from film_model.scene.toml import find_files, placed, read_text, text_from_table, toml_table
 from film_model.targets import AbstractTarget, Body, HalfSpace
 
 _SECTIONS = {"effects": ("gravity",), "solver": ("accuracy", "duration")}

@@ -27,13 +27,17 @@ from film_model.scene.impactor import Sphere
 from film_model.scene.noses import Nose, Oval, mistakes_of_shape, nose_of, oval_of, relative_radius
 from film_model.scene.options import DEFAULT_TOLERANCE, Effects, Solver
 from film_model.scene.sections import parts_of
-from film_model.scene.toml import change_table, placed, read_text, refuse_others, text_from_table, toml_table
+from film_model.scene.slope import slope_coefficient
+from film_model.scene.toml import (
+    change_table,
+    find_files,
+    placed,
+    read_text,
+    refuse_others,
+    text_from_table,
+    toml_table,
+)
 from film_model.targets import TARGETS, AbstractTarget
-
-NO_FILES = "a scene that is stored with results has its tables inside, and no other file is read"
-
-WITH_FILES = ("contact", "target")
-"""Sections that may name the file of a table with `file`."""
 
 
 @dataclass(frozen=True)
@@ -298,6 +302,11 @@ class Scene:
         return 2.0 * root(math.prod(cast("list[float]", energies)))
 
     @cached_property
+    def slope_coefficient(self) -> float | None:
+        """c of law large-slope; None if it is unknown, or contact is not that of a ball."""
+        return slope_coefficient(self.impactor, self.target, self.effective_modulus) if self.is_round else None
+
+    @cached_property
     def approach_velocity(self) -> float:
         """Velocity of the impactor relative to the target when contact begins, m/s."""
         return self.impactor.speed - self.target.velocity
@@ -351,6 +360,9 @@ class Scene:
             found["contact.effective_modulus"] = f"missing: give {missing}, or effective_modulus{rule}"
         if contact.needs("poissons_ratio") and self.poissons_ratio is None:
             found["contact.poissons_ratio"] = f'missing: law "{name}" needs it: give a material, or poissons_ratio'
+        steep = self.effects.large_slope is True if name == "auto" else contact.needs("slope_coefficient")
+        if steep and self.slope_coefficient is None:
+            found["contact.law"] = "steep surfaces are those of balls, and need the material of a body"
         if contact.needs("work_of_adhesion") and not self.work_of_adhesion:
             found["contact.work_of_adhesion"] = (
                 f'law "{name}" needs a value > 0: give it, or materials with surface_energy'
@@ -382,17 +394,6 @@ def scene_of(table: dict[str, Any], text: str, name: str, folder: str | None) ->
         return Scene.from_table(table)
     except SceneError as error:
         raise placed(error.mistakes, text, name) from None
-
-
-def find_files(table: dict[str, Any], text: str, name: str, folder: str | None) -> None:
-    """Put the folder before the relative paths in a table; None: refuse them."""
-    for key in WITH_FILES:
-        section = table.get(key)
-        if isinstance(section, dict) and "file" in section:
-            if folder is None:
-                raise placed([Mistake(None, None, f"{key}.file", NO_FILES)], text, name)
-            if isinstance(section["file"], str):
-                section["file"] = os.path.join(folder, section["file"])
 
 
 def _class_names(kind: type) -> str:

@@ -30,6 +30,11 @@ OTHER_FILES = {
 }
 """Sections of other files that are given in place of a scene."""
 
+NO_FILES = "a scene that is stored with results has its tables inside, and no other file is read"
+
+WITH_FILES = ("contact", "target")
+"""Sections that may name the file of a table with `file`."""
+
 LARGEST_TABLE = 100_000_000  # bytes; a million rows of five numbers
 
 
@@ -207,3 +212,14 @@ def refuse_others(table: Mapping[str, Any], text: str, name: str) -> None:
     other = next((key for key in OTHER_FILES if key in table), None)
     if other is not None and "impactor" not in table:
         raise placed([Mistake(None, None, other, OTHER_FILES[other])], text, name)
+
+
+def find_files(table: dict[str, Any], text: str, name: str, folder: str | None) -> None:
+    """Put the folder before the relative paths in a table; None: refuse them."""
+    for key in WITH_FILES:
+        section = table.get(key)
+        if isinstance(section, dict) and "file" in section:
+            if folder is None:
+                raise placed([Mistake(None, None, f"{key}.file", NO_FILES)], text, name)
+            if isinstance(section["file"], str):
+                section["file"] = os.path.join(folder, section["file"])

@@ -19,7 +19,7 @@ from film_model.base.units import array_to_si, to_si
 from film_model.scene import Scene
 from film_model.scene.contact import contact_table
 from film_model.scene.paths import field_at, refuse_twice, unit_of
-from film_model.scene.scene import WITH_FILES
+from film_model.scene.toml import WITH_FILES
 
 SPACINGS = ("linear", "log")
 RANGE = ("from", "to", "count", "spacing")

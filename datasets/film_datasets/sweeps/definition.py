@@ -25,13 +25,12 @@ from film_datasets.sweeps.distributions import correlated, correlation_factor
 from film_model.base.arrays import Index
 from film_model.base.errors import Mistake, SceneError, did_you_mean, raise_all, shown
 from film_model.effects.edge_effects import edged
-from film_model.problem.law_of_scene import DAMPED, ELASTIC, POWER, YIELDING
+from film_model.problem.law_of_scene import DAMPED, ELASTIC, POWER, STEEP, YIELDING
 from film_model.problem.summary import SUMMARY
 from film_model.scene import Scene
 from film_model.scene.columns import scene_of_columns
 from film_model.scene.paths import number_text
-from film_model.scene.scene import NO_FILES
-from film_model.scene.toml import toml_table
+from film_model.scene.toml import NO_FILES, toml_table
 from film_model.solve.derivatives import Entry, entries_of
 from film_model.targets.sensors import sensor_words
 
@@ -167,7 +166,7 @@ class Sweep:
     @cached_property
     def laws(self) -> tuple[str, ...]:
         """Names of the contact laws that may occur, in the order of the flags of `law`."""
-        auto = {True: (ELASTIC, YIELDING, DAMPED), False: (POWER,)}
+        auto = {True: (ELASTIC, YIELDING, DAMPED, *STEEP.values()), False: (POWER,)}
         names = (
             name
             for scene in self._used_scenes

@@ -16,8 +16,7 @@ from film_datasets.sweeps.design_table import over_of_file
 from film_datasets.sweeps.designs import GRID, ZIP, option_mistakes
 from film_model.base.errors import Mistake, SceneError, did_you_mean, shown
 from film_model.scene import Scene
-from film_model.scene.scene import WITH_FILES
-from film_model.scene.toml import line_of, lines_of_keys, read_text, toml_table
+from film_model.scene.toml import WITH_FILES, line_of, lines_of_keys, read_text, toml_table
 
 KEYS = ("scene", "design", *OPTIONS, "over")
 

@@ -80,7 +80,8 @@ function withOwn(law, n) {
     const value = (n.chosen === law.name ? n.values[input.path] : null) ?? input.value;
     if (value !== null) all[input.path.replace("contact.", "own_")] = value;
   }
-  if (law.name === DATA.constants.damped && n.chosen === "auto" && n.loss_restitution < 1) all.own_restitution = n.loss_restitution;
+  const { damped, steep } = DATA.constants;
+  if ([damped, steep[damped]].includes(law.name) && n.chosen === "auto" && n.loss_restitution < 1) all.own_restitution = n.loss_restitution;
   return all;
 }
 
@@ -190,7 +191,15 @@ function choose(scene, slow) {
     keeps &&= !takes;
     if (effects.plasticity) effects.plasticity.simulated &&= keeps;
   }
-  const waves = wavesOf(scene, slow, n, problem);
+  const steep = automatic && scene.effects.large_slope !== false && lawOf(scene, n, DATA.constants.steep[problem.law.name]).law;
+  if (steep) {
+    const sloped = problemOf(steep, used, problem.impedance, problem.load, problem.compliance, problem.vibrates);
+    const change = changeOf(sloped, problem);
+    const simulated = scene.effects.large_slope === true || !(change <= tolerance);
+    effects.large_slope = { simulated, change };
+    if (simulated) problem = sloped;
+  }
+  const waves = wavesOf(scene, slow, used, problem);
   if (waves) {
     effects.wave_losses = { simulated: waves.simulated, change: waves.change };
     if (waves.simulated) problem = waves.radiating;

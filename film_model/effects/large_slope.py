@@ -1,0 +1,105 @@
+"""Steep surfaces of soft balls: under law "auto", law large-slope in place of hertz and tsuji."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from typing import Any, cast
+
+from film_model.base.arrays import any_of, column
+from film_model.effects.case import Case, Rule
+from film_model.effects.effect import FREE, NOT_MODELLED, SIMULATED, Effect, off_state
+from film_model.effects.trial import matters
+from film_model.laws.hertz import hertz_stiffness
+from film_model.laws.large_slope import BALL
+from film_model.problem.law_of_scene import STEEP, YIELDING, law_named
+from film_model.problem.problem import Problem
+
+COMPUTED = 0.5
+"""√(δ/R) up to which finite elements were computed."""
+
+DEEPEST = 1.0
+"""Indentation over the effective radius from which no contact law is valid: half of a ball is below the surface."""
+
+FORCE = 0.45
+"""Change of the largest force of an impact over c √(δ/R): 0.5 to first order; 0.36 to 0.46 by finite elements of a ball
+with its inertia."""
+
+
+def steep(problem: Problem) -> tuple[Problem, Any]:
+    """Impacts with the slopes of their surfaces, and for which of them they are simulated; if for none, the impacts as
+    they are."""
+    base, scene, wanted = problem.scene, problem.impacts.scene, problem.scene.effects.large_slope
+    coefficient = scene.slope_coefficient
+    off = wanted is False or base.contact.law != "auto" or problem.law.name not in STEEP
+    if off or coefficient is None or problem.relaxation is not None:
+        return problem, False
+    doubtful = FORCE * coefficient * (_deepest(problem) / scene.effective_radius) ** 0.5 > 0.5 * base.effect_tolerance
+    if wanted == "auto" and not any_of(doubtful):
+        return problem, False
+    impacts = problem.impacts.under(law_named(scene, STEEP[problem.law.name]))
+    made = replace(impacts.problem(*problem.given, vibrates=problem.vibrates), stretches=problem.stretches)
+    if wanted is True or not any_of(problem.approach > 0.0):
+        return made, impacts.column(True)
+    if not problem.impacts.many:
+        return made, matters(made, problem)
+    return made, matters(made, problem, where=column(doubtful, problem.approach.size))
+
+
+def _deepest(problem: Problem) -> Any:
+    """A bound of Hertz's indentation, m: the sum of those by the energy alone and by the load alone."""
+    scene, (_, load, _) = problem.impacts.scene, problem.given
+    stiffness = hertz_stiffness(cast("float", scene.effective_modulus), scene.effective_radius)
+    return (2.5 * scene.kinetic_energy / stiffness) ** 0.4 + (2.5 * load / stiffness) ** (2.0 / 3.0)
+
+
+def judge(case: Case, rule: Rule) -> Effect:
+    """Hertz's half-spaces and paraboloids instead of balls.
+
+    By [finite elements](finite_elements.md#elastic-contacts-of-large-slope) an elastic ball presses harder than
+    Hertz's; Sneddon's rigid sphere less by a²/(10 R²). Shares of the compliance weight the bodies. The change is that
+    of the force at the energy of the impact, 0.45 c √(δ/R); indentation and contact time change less. Law "auto" takes
+    laws large-slope and damped-large-slope in place of hertz and tsuji if that matters. From an indentation of one
+    radius no law is valid.
+    """
+    scene = case.scene
+    modulus, radius, coefficient = scene.effective_modulus, scene.effective_radius, scene.slope_coefficient
+    if scene.nose is not None:
+        beyond = case.contact_radius / scene.impactor.radius
+        if beyond > 1.0:
+            return rule.failing(f"the {scene.impactor.shape} is pressed in beyond its base", beyond, 1.0)
+        return rule.unjudged("known for balls only", beyond)
+    if modulus is None:
+        return rule.unjudged("missing: an effective modulus")
+    if case.problem.law.name == YIELDING and case.indentation <= DEEPEST * radius:
+        return rule.absent(f"law {YIELDING} is that of finite elements with large slopes")
+    if case.indentation > DEEPEST * radius:
+        why = f"the indentation is {case.indentation / radius:.3g} times the radius: no contact law is valid so deep"
+        return rule.failing(why, case.contact_radius / radius, math.sqrt(DEEPEST))
+    hertz = (case.force / hertz_stiffness(modulus, radius)) ** (2.0 / 3.0)  # elastic part of the indentation
+    size = FORCE * (BALL if coefficient is None else coefficient) * math.sqrt(hertz / radius) * hertz / case.indentation
+    value = case.contact_radius / radius
+    threshold = case.tolerance * value / size if size > 0.0 else None
+    why = f"the contact radius is {value:.2g} R: the force is about {100 * size:.2g} % off by Hertz's theory"
+    why += "" if value <= COMPUTED else f"; computed was up to {COMPUTED:g} R"
+    if coefficient is None and size > case.tolerance:
+        why = f"missing: impactor.material; if the target is much stiffer, {why}"
+        return rule.unjudged(why, value, threshold)
+    return rule.sized(case.tolerance, value, threshold, min(size, 1.0), why)
+
+
+def settled(effect: Effect, problem: Problem) -> Effect:
+    """The estimated effect with what was decided about it. problem: what is simulated."""
+    scene, law = problem.scene, problem.law.name
+    if effect.change is None:
+        return effect
+    if law in STEEP.values():
+        return effect._replace(state=SIMULATED, threshold=None, reason=f"{effect.reason}: law {law}", cost=FREE)
+    if scene.effects.large_slope is False:
+        state = off_state(effect.change, scene.effect_tolerance)
+        return effect._replace(state=state, reason=f"the scene has large_slope = false; {effect.reason}")
+    if effect.state != NOT_MODELLED or law not in STEEP:
+        return effect
+    auto = scene.contact.law == "auto"
+    why = "a material relaxes" if auto else f"the law {law} has Hertz's force: law {STEEP[law]} simulates it"
+    return effect._replace(reason=f"{effect.reason}; {why}")

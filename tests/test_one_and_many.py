@@ -129,6 +129,7 @@ def law_parameters(name, stiffness, depth, radius, speed):
         "tan-sun": {"stiffness": f"{0.7 * stiffness!r} N/m^1.5", "critical_indentation": f"{0.3 * depth!r} m"},
         "linear-dashpot": {"stiffness": f"{spring!r} N/m", "restitution": 0.6},
         "tsuji": {"restitution": 0.6},
+        "damped-large-slope": {"restitution": 0.6},
         "hunt-crossley": {"restitution": 0.6},
         "kuwabara-kono": {"dissipation_time": f"{0.2 * depth / speed!r} s"},
         "kogut-etsion": {"hardness": "2 GPa"},

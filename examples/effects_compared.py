@@ -166,7 +166,7 @@ def _steep() -> list[Row]:
         scene = scene.replace({"impactor.velocity": f"{math.sqrt(2.0 * energy / scene.mass)!r} m/s"})
         by = "finite elements with the ball's inertia, examples/finite_elements/ball.py"
         where = f"elastic ball on a rigid plane, a/R = {slope} by Hertz"
-        found.append(Row(where, "force (`large_slope`)", counted, "%", by, _change(scene, "large_slope")))
+        found.append(Row(where, "force (`small_slope`)", counted, "%", by, _change(scene, "small_slope")))
     return found
 
 

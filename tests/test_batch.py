@@ -174,7 +174,7 @@ def test_quadrature_on_a_half_space_converges_to_the_march(law):
     curve = curve_of(LAWS[law]).native
     expected, one = alone(curve, native.mesh(native.WORK_PRESERVING, 500, 500), start)
     done = expected == native.EVENT
-    assert done.mean() > (0.2 if law == "tabulated" else 0.9)  # most turns are beyond the table
+    assert done.mean() > (0.2 if law in ("tabulated", "large-slope") else 0.9)  # most turns are beyond the end
     for segments, error in ((1, 2e-3), (2, 4e-4), (4, 2e-5), (8, 4e-7), (16, 2e-9), (40, 1e-11), (400, 1e-11)):
         mesh = native.mesh(native.WORK_PRESERVING, segments, segments)
         for status, found in (native.batch(curve, mesh, start), alone(curve, mesh, start, native.impact)):

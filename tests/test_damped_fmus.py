@@ -382,6 +382,7 @@ def test_documentation_describes_the_law(made, name):
     follows = {
         "linear-dashpot": "stiffness, mass, restitution",
         "tsuji": "radius, effective_modulus, mass, restitution",
+        "damped-large-slope": "radius, effective_modulus, mass, restitution",
         "hunt-crossley": "radius, effective_modulus, hysteresis_damping",
         "kuwabara-kono": "radius, effective_modulus, dissipation_time",
     }

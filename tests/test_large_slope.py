@@ -125,7 +125,7 @@ def struck(slope, large=True, **material):
     soft = {"youngs_modulus": "5 MPa", "poissons_ratio": 0.3, "density": "1000 kg/m^3"} | material
     rigid = {"youngs_modulus": "9e4 GPa", "poissons_ratio": 0.3, "density": "7850 kg/m^3"}
     velocity = math.sqrt(0.8 / math.pi * 5e6 / (1 - 0.3**2) / 1000) * slope**2.5
-    effects = fm.Effects(gravity=False, large_slope=large)
+    effects = fm.Effects(gravity=False, small_slope=large)
     return fm.Scene(fm.Sphere("20 mm", f"{velocity!r} m/s", material=soft), fm.HalfSpace(rigid), effects=effects)
 
 
@@ -243,14 +243,14 @@ def test_a_scene_chooses_the_law():
     assert fm.simulate(struck(0.005, "auto")).problem.law.name == "hertz"
     assert fm.simulate(struck(0.005, True)).problem.law.name == "large-slope"
     off = fm.simulate(struck(0.27, False))
-    assert off.problem.law.name == "hertz" and any("large slope" in warning for warning in off.warnings)
+    assert off.problem.law.name == "hertz" and any("small slope" in warning for warning in off.warnings)
     auto = fm.simulate(struck(0.27, "auto"))
     assert auto.problem.law.name == "large-slope"
-    assert not any("large slope" in warning for warning in auto.warnings)
+    assert not any("small slope" in warning for warning in auto.warnings)
     named = fm.simulate(struck(0.27, "auto").replace({"contact.law": "large-slope"}))
     assert named.summary["maximum_force"] == auto.summary["maximum_force"]
     for law, large in (("large-slope", "auto"), ("auto", True)):
-        contact, effects = fm.Contact(law, effective_modulus="1 GPa"), fm.Effects(large_slope=large)
+        contact, effects = fm.Contact(law, effective_modulus="1 GPa"), fm.Effects(small_slope=large)
         with pytest.raises(fm.SceneError, match="need the material of a body"):
             fm.Scene(fm.Sphere("5 mm", "1 m/s", mass="4 g"), fm.HalfSpace(), contact, effects)
     with pytest.raises(ValueError, match=r"slope_coefficient.*must be > 0"):

@@ -89,24 +89,24 @@ def test_large_slope_of_an_elastic_ball_on_a_rigid_target(slope, change):
     """change: of the force, by the finite elements of a ball with its inertia (test_large_slope.py); the first by c."""
     soft = {**STEEL, "youngs_modulus": "1 GPa"}
     speed = math.sqrt(16 / 15 * 1e9 / (1 - 0.3**2) * slope**5 / (7850 * 4 / 3 * math.pi))
-    effect = effect_of(scene(soft, fm.HalfSpace(RIGID), f"{speed!r} m/s"), "large_slope")
+    effect = effect_of(scene(soft, fm.HalfSpace(RIGID), f"{speed!r} m/s"), "small_slope")
     assert effect.value == pytest.approx(slope, rel=0.02)
     assert effect.change == pytest.approx(change, rel=0.25)
     assert effect.state == NOT_MODELLED and "law large-slope simulates it" in effect.warning
-    hard = effect_of(scene(RIGID, fm.HalfSpace(soft), "1 m/s"), "large_slope")
+    hard = effect_of(scene(RIGID, fm.HalfSpace(soft), "1 m/s"), "small_slope")
     assert hard.change == pytest.approx(0.45 * HALF_SPACE * hard.value, rel=1e-2)
 
 
 def test_two_balls_are_each_compressed_by_their_share():
     soft = {**STEEL, "youngs_modulus": "1 GPa"}
-    twins = effect_of(scene(soft, fm.Body(soft, radius="5 mm"), "5 m/s"), "large_slope")
+    twins = effect_of(scene(soft, fm.Body(soft, radius="5 mm"), "5 m/s"), "small_slope")
     slope = twins.value / 2  # a/R of each ball; the effective radius is half of theirs
     assert twins.change == pytest.approx(0.45 * BALL * slope, rel=1e-2)
 
 
 def test_a_contact_wider_than_computed_says_so():
     soft = {**STEEL, "youngs_modulus": "1 GPa"}
-    effect = effect_of(scene(soft, fm.HalfSpace(RIGID), "100 m/s"), "large_slope")
+    effect = effect_of(scene(soft, fm.HalfSpace(RIGID), "100 m/s"), "small_slope")
     assert effect.value > COMPUTED
     assert "computed was up to 0.5 R" in effect.warning
 
@@ -114,7 +114,7 @@ def test_a_contact_wider_than_computed_says_so():
 def test_large_slope_without_the_materials_is_judged_only_if_it_cannot_matter():
     def of(velocity):
         ball = fm.Sphere("5 mm", velocity=velocity, mass="4 g")
-        return effect_of(fm.Scene(ball, fm.HalfSpace(), fm.Contact("hertz", effective_modulus="1 GPa")), "large_slope")
+        return effect_of(fm.Scene(ball, fm.HalfSpace(), fm.Contact("hertz", effective_modulus="1 GPa")), "small_slope")
 
     assert of("1 mm/s").state == NOT_NEEDED
     assert of("1 m/s").state == NOT_JUDGED and "impactor.material" in of("1 m/s").reason
@@ -122,7 +122,7 @@ def test_large_slope_without_the_materials_is_judged_only_if_it_cannot_matter():
 
 def test_no_law_is_valid_deeper_than_the_radius():
     heavy = scene({**STEEL, "yield_strength": "250 MPa"}, contact=fm.Contact("big-alabo"), mass="4 t")
-    effect = effect_of(heavy, "large_slope")
+    effect = effect_of(heavy, "small_slope")
     depth = fm.simulate(heavy).summary["maximum_indentation"] / 5e-3
     assert effect.state == NOT_MODELLED
     assert f"{depth:.2g}" in effect.warning and depth > 1.0
@@ -175,7 +175,7 @@ def test_the_sentence_about_gravity_agrees_with_its_number():
         for effect in choose(scene(material, target, speed, fm.Contact("auto"), radius="10 mm")).effects:
             if None in (effect.value, effect.threshold, effect.change) or effect.name == "adhesion":
                 continue
-            if effect.name in ("gravity", "target_motion", "large_slope", "wave_losses", "material_damping"):
+            if effect.name in ("gravity", "target_motion", "small_slope", "wave_losses", "material_damping"):
                 assert (effect.value > effect.threshold) == (effect.change > 0.01), effect
             if effect.name == "gravity" and effect.state in (SIMULATED, NOT_NEEDED):
                 seen.add(effect.state)
@@ -246,7 +246,7 @@ def test_the_ring_crack_that_a_contact_drives_most(ratio):
 def test_glass_cracks_by_auerbachs_law():
     def cracks(radius, velocity, material="soda-lime glass"):
         ball = fm.Sphere(radius, velocity=velocity, material=material)
-        return fm.Scene(ball, fm.HalfSpace("soda-lime glass"), effects=fm.Effects(large_slope=False))
+        return fm.Scene(ball, fm.HalfSpace("soda-lime glass"), effects=fm.Effects(small_slope=False))
 
     assert effect_of(cracks("8 mm", "5 mm/s"), "fracture").state == NOT_NEEDED  # a marble, laid down
     least = []
@@ -429,7 +429,7 @@ def test_waves_of_a_half_space_follow_hunter_and_tell_what_the_weight_adds():
     def waves(velocity, gravity):
         ball = fm.Sphere("5 mm", velocity=f"{velocity} m/s", material="bearing steel")
         return effect_of(
-            fm.Scene(ball, fm.HalfSpace("bearing steel"), effects=fm.Effects(gravity=gravity, large_slope=False)),
+            fm.Scene(ball, fm.HalfSpace("bearing steel"), effects=fm.Effects(gravity=gravity, small_slope=False)),
             "wave_losses",
         )
 

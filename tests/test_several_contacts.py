@@ -132,7 +132,7 @@ def test_one_contact_is_the_impact_of_simulate(target, law):
     """Within both estimates: the other engine, the same vibrations."""
     contact = fm.Contact(law) if isinstance(law, str) else fm.Contact(**law)
     motion = run([{**BALL, "velocity": "0.5 m/s"}], target, "0.2 ms", contact, accuracy=1e-3)
-    off = fm.Effects(gravity=False, rate_hardening=False, material_damping=False, wave_losses=False, large_slope=False)
+    off = fm.Effects(gravity=False, rate_hardening=False, material_damping=False, wave_losses=False, small_slope=False)
     impact = fm.simulate(fm.Scene(fm.Sphere("10 mm", "0.5 m/s", material=STEEL), target, contact, off), accuracy=1e-4)
     allowed = motion.estimated + impact.accuracy.estimated
     assert motion.estimated <= 2e-3

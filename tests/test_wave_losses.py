@@ -23,7 +23,7 @@ RIGID = {**STEEL, "youngs_modulus": "9e4 GPa", "poissons_ratio": 0.0}
 
 def scene(velocity=5.0, ball=STEEL, target=STEEL, law="auto", **effects):
     target = target if isinstance(target, fm.Plate) else fm.HalfSpace(target)
-    switches = fm.Effects(**{"gravity": False, "large_slope": False} | effects)
+    switches = fm.Effects(**{"gravity": False, "small_slope": False} | effects)
     return fm.Scene(fm.Sphere("5 mm", f"{velocity!r} m/s", material=ball), target, fm.Contact(law), switches)
 
 

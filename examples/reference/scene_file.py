@@ -59,7 +59,7 @@ EXAMPLES = {
     "viscoelasticity": "false",
     "material_damping": "false",
     "wave_losses": "false",
-    "large_slope": "false",
+    "small_slope": "false",
     "prony": '[[0.3, "1 ms"], [0.2, "20 ms"]]',
     "tolerance": "0.05",
     "accuracy": "1e-6",

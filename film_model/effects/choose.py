@@ -39,7 +39,7 @@ from film_model.problem.problem import Impacts, Problem
 from film_model.scene import Scene
 
 _SETTLED = {
-    "large_slope": large_slope.settled,
+    "small_slope": large_slope.settled,
     "material_damping": material_damping.settled,
     "stretching": stretching.settled,
     "wave_losses": wave_losses.settled,

@@ -38,7 +38,7 @@ class Decision(NamedTuple):
         else:
             effects["wave_losses"] = self.motion
         if scene.contact.law == "auto":
-            effects |= {"plasticity": self.yields, "material_damping": self.damps, "large_slope": self.steep}
+            effects |= {"plasticity": self.yields, "material_damping": self.damps, "small_slope": self.steep}
         if scene.target.structural and self.motion:
             effects["boundary_reflections"] = self.static
         if self.static:

@@ -27,7 +27,7 @@ COMPUTED = {
     "rate_hardening": "the yield strength rises with the strain rate of the impact",
     "viscoelasticity": "the modulus of a material with a prony series relaxes during the contact",
     "material_damping": 'losses of materials with a loss factor: for law "auto", tsuji instead of hertz',
-    "large_slope": 'steep surfaces of soft balls: for law "auto", large-slope instead of hertz or tsuji',
+    "small_slope": 'surfaces of soft balls are steep: for law "auto", large-slope instead of hertz or tsuji',
     "fully_plastic": "the contact reaches the last stage of a law that yields",
     "target_motion": "the target moves, by its impedance, its static stiffness or its vibrations",
     "wave_losses": 'waves in a half-space carry energy away: simulated for law "auto"',

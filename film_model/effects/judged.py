@@ -76,7 +76,7 @@ _TABLE: dict[str, tuple[str, str, Callable[[Case, Rule], Effect]]] = {
         "response to a half-sine of the contact time T on a fixed target",
         geometry.by_target("omitted_modes"),
     ),
-    "large_slope": (
+    "small_slope": (
         "a/R",
         "fitted to axisymmetric finite elements made for this package; compare Sneddon 1965, Tatara 1991",
         large_slope.judge,

@@ -29,12 +29,14 @@ with its inertia."""
 def steep(problem: Problem) -> tuple[Problem, Any]:
     """Impacts with the slopes of their surfaces, and for which of them they are simulated; if for none, the impacts as
     they are."""
-    base, scene, wanted = problem.scene, problem.impacts.scene, problem.scene.effects.large_slope
+    base, scene, wanted = problem.scene, problem.impacts.scene, problem.scene.effects.small_slope
     coefficient = scene.slope_coefficient
     off = wanted is False or base.contact.law != "auto" or problem.law.name not in STEEP
     if off or coefficient is None or problem.relaxation is not None:
         return problem, False
-    doubtful = FORCE * coefficient * (_deepest(problem) / scene.effective_radius) ** 0.5 > 0.5 * base.effect_tolerance
+    # the change of the force, to first order
+    first = 0.5 * coefficient * (_deepest(problem) / scene.effective_radius) ** 0.5
+    doubtful = first > 0.9 * base.effect_tolerance
     if wanted == "auto" and not any_of(doubtful):
         return problem, False
     impacts = problem.impacts.under(law_named(scene, STEEP[problem.law.name]))
@@ -95,9 +97,9 @@ def settled(effect: Effect, problem: Problem) -> Effect:
         return effect
     if law in STEEP.values():
         return effect._replace(state=SIMULATED, threshold=None, reason=f"{effect.reason}: law {law}", cost=FREE)
-    if scene.effects.large_slope is False:
+    if scene.effects.small_slope is False:
         state = off_state(effect.change, scene.effect_tolerance)
-        return effect._replace(state=state, reason=f"the scene has large_slope = false; {effect.reason}")
+        return effect._replace(state=state, reason=f"the scene has small_slope = false; {effect.reason}")
     if effect.state != NOT_MODELLED or law not in STEEP:
         return effect
     auto = scene.contact.law == "auto"

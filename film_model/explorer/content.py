@@ -64,7 +64,7 @@ SWITCHES = (
     "rate_hardening",
     "material_damping",
     "wave_losses",
-    "large_slope",
+    "small_slope",
 )
 """Effects that the page decides again for every change, by the same formulas."""
 

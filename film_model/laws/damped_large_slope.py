@@ -15,7 +15,7 @@ from film_model.laws.tsuji import Tsuji
 class DampedLargeSlope(Tsuji):
     """The force of law large-slope with a dashpot like that of law tsuji:
 
-        F = K δ^{3/2} (1 + c √(δ/R)) + α √(m K) (δ^{1/4} + 1.2 δ_s^{−3/4} δ) δ̇
+        F = K δ^{3/2} (1 + c √(δ/R)) + α √(m K) (δ^{1/4} + 1.2 δ_s^{−3/4} δ) δ̇  until F = 0
 
     α is that of tsuji. The second term keeps e for all velocities: 1 − e within 2 % up to √(δ/R) = 0.4 by Hertz's law,
     4 % at 0.5.

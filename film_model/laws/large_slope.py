@@ -33,7 +33,7 @@ class LargeSlope(AbstractLaw):
     name: ClassVar[str] = "large-slope"
     family: ClassVar[Family] = "elastic"
     summary: ClassVar[str] = "Hertz to first order in √(δ/R): elastic balls that are pressed in far"
-    source: ClassVar[str] = "finite elements made for this package; compare Tatara 1991"
+    source: ClassVar[str] = "first-order fit to axisymmetric finite elements made for this package"
     validity: ClassVar[str] = "√(δ/R) up to about 0.5, no yield"
     widening: ClassVar[float] = 1.0
 

@@ -234,13 +234,13 @@ def laws_of(scene: Scene) -> Iterator[tuple[AbstractLaw | type[AbstractLaw], Any
         return
     damps = scene.effects.material_damping if scene.loss_factor is not None else False
     if damps is True and plastic is not True:
-        yield LAWS[STEEP[DAMPED] if scene.effects.large_slope is True else DAMPED], True
+        yield LAWS[STEEP[DAMPED] if scene.effects.small_slope is True else DAMPED], True
         return
     if plastic == "auto":
         yields = reaches_yield(scene)
         plastic = False if yields is None else yields & can_yield(scene)
     if not all_of(plastic):
-        fixed = scene.effects.large_slope is True and damps is False and plastic is False
+        fixed = scene.effects.small_slope is True and damps is False and plastic is False
         yield LAWS[STEEP[ELASTIC] if fixed else ELASTIC], np.logical_not(plastic)
     if any_of(plastic):
         yield LAWS[YIELDING], plastic

@@ -25,8 +25,9 @@ class Effects(InUnits):
     force by its static stiffness alone. rate_hardening: the yield strength at the strain rate of the impact.
     viscoelasticity: the relaxation of materials with a prony series, under law hertz; false takes their instantaneous
     moduli. material_damping: the loss factors of the materials, of law "auto"; true takes them in place of a law that
-    yields. wave_losses: the energy of waves in a half-space, of law "auto"; true also of other laws. large_slope: of
-    the surfaces of soft balls, of law "auto". stretching: membrane forces of a plate or beam with in_plane.
+    yields. wave_losses: the energy of waves in a half-space, of law "auto"; true also of other laws. small_slope: the
+    steep surfaces of soft balls, of law "auto"; false takes them as flat. stretching: membrane forces of a plate or
+    beam with in_plane.
     tolerance: "auto" simulates an effect if neglecting it would change a summary value by more than this relative
     amount. An effect that would, but cannot be simulated, causes a warning. Default: 1 %, or the requested accuracy if
     that is larger. A finer accuracy does not lower it, so that refining a mesh does not change the physics.
@@ -44,7 +45,7 @@ class Effects(InUnits):
     viscoelasticity: Switch = entry(SWITCH)
     material_damping: Switch = entry(SWITCH)
     wave_losses: Switch = entry(SWITCH)
-    large_slope: Switch = entry(SWITCH)
+    small_slope: Switch = entry(SWITCH)
     stretching: Switch = entry(SWITCH)
     tolerance: float | None = entry(measure("dimensionless", 1e-12, 1))
 
@@ -61,7 +62,7 @@ class Effects(InUnits):
         material_damping: Switch = "auto",
         wave_losses: Switch = "auto",
         stretching: Switch = "auto",
-        large_slope: Switch = "auto",
+        small_slope: Switch = "auto",
     ) -> None:
         raise_all(fill(self, locals()))
 

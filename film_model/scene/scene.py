@@ -337,10 +337,11 @@ class Scene:
             "solver": Solver,
             "title": str,
         }
-        wrong = {name: kind for name, kind in kinds.items() if not isinstance(getattr(self, name), kind)}
+        allowed = {name: [kind] for name, kind in kinds.items()} | {"target": TARGETS.values()}
         return [
-            mistake(self, name, f"{shown(getattr(self, name))} is not allowed: {_class_names(kind)} is needed")
-            for name, kind in wrong.items()
+            mistake(self, name, f"{shown(getattr(self, name))} is not allowed: {' or '.join(names)} is needed")
+            for name, kind in kinds.items()
+            if not isinstance(getattr(self, name), kind) and (names := [one.__name__ for one in allowed[name]])
         ]
 
     def _mistakes(self) -> list[Mistake]:
@@ -360,7 +361,7 @@ class Scene:
             found["contact.effective_modulus"] = f"missing: give {missing}, or effective_modulus{rule}"
         if contact.needs("poissons_ratio") and self.poissons_ratio is None:
             found["contact.poissons_ratio"] = f'missing: law "{name}" needs it: give a material, or poissons_ratio'
-        steep = self.effects.large_slope is True if name == "auto" else contact.needs("slope_coefficient")
+        steep = self.effects.small_slope is True if name == "auto" else contact.needs("slope_coefficient")
         if steep and self.slope_coefficient is None:
             found["contact.law"] = "steep surfaces are those of balls, and need the material of a body"
         if contact.needs("work_of_adhesion") and not self.work_of_adhesion:
@@ -394,8 +395,3 @@ def scene_of(table: dict[str, Any], text: str, name: str, folder: str | None) ->
         return Scene.from_table(table)
     except SceneError as error:
         raise placed(error.mistakes, text, name) from None
-
-
-def _class_names(kind: type) -> str:
-    """The classes of which an object is needed, in words."""
-    return " or ".join(target.__name__ for target in TARGETS.values()) if kind is AbstractTarget else kind.__name__

@@ -191,12 +191,12 @@ function choose(scene, slow) {
     keeps &&= !takes;
     if (effects.plasticity) effects.plasticity.simulated &&= keeps;
   }
-  const steep = automatic && scene.effects.large_slope !== false && lawOf(scene, n, DATA.constants.steep[problem.law.name]).law;
+  const steep = automatic && scene.effects.small_slope !== false && lawOf(scene, n, DATA.constants.steep[problem.law.name]).law;
   if (steep) {
     const sloped = problemOf(steep, used, problem.impedance, problem.load, problem.compliance, problem.vibrates);
     const change = changeOf(sloped, problem);
-    const simulated = scene.effects.large_slope === true || !(change <= tolerance);
-    effects.large_slope = { simulated, change };
+    const simulated = scene.effects.small_slope === true || !(change <= tolerance);
+    effects.small_slope = { simulated, change };
     if (simulated) problem = sloped;
   }
   const waves = wavesOf(scene, slow, used, problem);

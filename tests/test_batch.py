@@ -85,6 +85,11 @@ def test_a_ball_slower_than_the_free_body_is_refused():
         fm.simulate_batch(scene("hertz", "body"), velocity=["1 m/s", "0.1 m/s"])
 
 
+def within(law):
+    """By what to divide velocities so that a law of large slope does not end before the turn."""
+    return 20.0 if law.endswith("large-slope") else 1.0
+
+
 def starts(nu, gamma):
     start = np.zeros(nu.size, native.START_DTYPE)
     start["nu"], start["gamma"], start["time_limit"] = nu, gamma, math.inf
@@ -170,11 +175,11 @@ def test_quadrature_on_a_half_space_converges_to_the_march(law):
     """Error over segments, against 500 lines a leg: geometric until rounding, of rows and of one impact. All but times
     need no quadrature."""
     rng = np.random.default_rng(3)
-    start = starts(np.exp(rng.uniform(-1.5, 3, 40)), 0.0)
+    start = starts(np.exp(rng.uniform(-1.5, 3, 40)) / within(law), 0.0)
     curve = curve_of(LAWS[law]).native
     expected, one = alone(curve, native.mesh(native.WORK_PRESERVING, 500, 500), start)
     done = expected == native.EVENT
-    assert done.mean() > (0.2 if law in ("tabulated", "large-slope") else 0.9)  # most turns are beyond the end
+    assert done.mean() > (0.2 if law == "tabulated" else 0.9)  # most turns are beyond the table
     for segments, error in ((1, 2e-3), (2, 4e-4), (4, 2e-5), (8, 4e-7), (16, 2e-9), (40, 1e-11), (400, 1e-11)):
         mesh = native.mesh(native.WORK_PRESERVING, segments, segments)
         for status, found in (native.batch(curve, mesh, start), alone(curve, mesh, start, native.impact)):
@@ -182,7 +187,7 @@ def test_quadrature_on_a_half_space_converges_to_the_march(law):
             assert np.array_equal(status, expected)
             assert np.array_equal(found["stage"][done], one["stage"][done])
             assert off.max() <= error, segments
-            assert off[[name not in TIMES for name in VALUES]].max() <= 1e-14
+            assert off[[name not in TIMES for name in VALUES]].max() <= 2e-14
 
 
 def test_an_elastic_stage_on_a_half_space_needs_no_quadrature():
@@ -439,18 +444,20 @@ def test_samples_of_many_contacts_are_those_of_each_to_the_last_bit(monkeypatch,
 @pytest.mark.parametrize("load", [0.0, 0.01])
 @pytest.mark.parametrize("law", DAMPED)
 def test_damped_contacts_in_lanes_agree_with_the_march(law, load):
-    """Over damping and target motion; errors fall fast with the segments."""
+    """Over damping and target motion; errors fall fast with the segments, of a fitted law as the fourth power."""
     damping, gamma = (axis.ravel() for axis in np.meshgrid(np.geomspace(0.01, 2.0, 6), [0.0, 0.05, 0.3, 1.0]))
-    start = starts(np.full(damping.size, 1.4), gamma)
-    start["damping"], start["load"], start["time_limit"] = damping, load, 1e3
+    start = starts(np.full(damping.size, 1.4 / within(law)), gamma)
+    start["damping"], start["load"], start["time_limit"] = damping, load / within(law), 1e3
     curve = curve_of(LAWS[law]).native
     _, truth = alone(curve, native.mesh(native.WORK_PRESERVING, 600, 600), start)
-    meshes = [native.mesh(native.WORK_PRESERVING, n, n) for n in (5, 10, 20)]
+    fitted = law == "damped-large-slope"
+    meshes = [native.mesh(native.WORK_PRESERVING, n, n) for n in ((40, 80, 160) if fitted else (5, 10, 20))]
     coarse, middle, fine = (native.batch(curve, mesh, start)[1] for mesh in meshes)
     assert (native.batch(curve, meshes[0], start)[0] == native.EVENT).all()
     assert differences(middle, truth, start).max() < 1e-5
     assert differences(fine, truth, start).max() < 5e-8
-    assert (differences(middle, fine, start) <= 0.1 * differences(coarse, fine, start) + 1e-11).all()
+    falls = 0.2 if fitted else 0.1
+    assert (differences(middle, fine, start) <= falls * differences(coarse, fine, start) + 1e-11).all()
 
 
 def test_a_linear_dashpot_is_exact_in_a_batch():

@@ -6,7 +6,7 @@ import pytest
 
 import film_model as fm
 from film_model.core.springs import power
-from film_model.oblique.friction import contact_radii
+from film_model.oblique.friction import contact_radii, radius_beyond_yield
 from film_model.scene import Solver
 from film_model.scene.rolling import sliding_of
 from film_model.solve.batch import simulate_many
@@ -62,6 +62,17 @@ def finer(history):
         q = stiffness * u[:touch].sum()
         v -= 0.5 * step * q / given.mass
     return v
+
+
+def test_a_force_that_meets_hertz_s_by_chance_does_not_narrow_a_contact_that_yields():
+    """Walton and Braun's line crosses Hertz's force once, far beyond yield: without a jump of the radius there."""
+    contact = fm.Contact("walton-braun", yield_strength="0.6 GPa", friction=0.3, **LAWS["walton-braun"])
+    ball = fm.Sphere("5 mm", "3 m/s", material="bearing steel", angle="30 deg")
+    history = simulate_quietly(fm.Scene(ball, fm.HalfSpace("mild steel"), contact, fm.Effects(gravity=False)))
+    times = np.linspace(0.0, history.summary["time_of_maximum_indentation"], 4001)[1:]
+    seen = history.sample_si(times)
+    radius = radius_beyond_yield(history.problem, np.asarray(seen.indentation), np.asarray(seen.contact_force))
+    assert (np.diff(radius) > 0.0).all()
 
 
 @pytest.mark.slow

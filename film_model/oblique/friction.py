@@ -210,7 +210,12 @@ def elastic_radius(curve: native.Curve, scales: Any, modulus: Number, depth: Arr
 
 def radius_beyond_yield(problem: Problem, depth: Array, force: Array) -> Array:
     """The law's own contact radius, m; arrays (times,) of one impact or (times, impacts)."""
-    return np.asarray(contact_radius(problem.impacts, force, np.maximum(depth, 0.0))[0])  # below 0 between two contacts
+    depth = np.maximum(depth, 0.0)  # below 0 between two contacts
+    radius, elastic = contact_radius(problem.impacts, force, depth)
+    left = np.logical_or.accumulate(~elastic & (depth > 0.0), axis=0)
+    if np.any(left & elastic):  # a force that has left Hertz's meets it again by chance alone
+        radius, _ = contact_radius(problem.impacts, np.where(left, np.inf, force), depth)
+    return np.asarray(radius)
 
 
 def results(

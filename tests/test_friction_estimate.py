@@ -64,6 +64,42 @@ def finer(history):
     return v
 
 
+BATCHES = {
+    "elastoplastic": {},
+    "thornton": {"yield_pressure": "1.6 GPa"},
+    "kogut-etsion": {},
+    "jackson-green": {},
+    "stronge": {},
+    "big-alabo": {},
+    "walton-braun": LAWS["walton-braun"],
+    "tsuji": LAWS["tsuji"],
+    "hunt-crossley": LAWS["hunt-crossley"],
+    "linear-dashpot": LAWS["linear-dashpot"],
+}
+LEAST = {"stronge": 0.96}
+"""Share of the impacts whose error the estimate bounds, under a law whose slope doubles where it yields; else 0.99."""
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("law", BATCHES)
+def test_the_estimates_of_a_batch_bound_their_errors(law):
+    """Of 1,000 impacts by few springs, against as many as there are beside a motion of 8 times as many samples."""
+    rng, count = np.random.default_rng(3), 1000
+    ball = fm.Sphere("5 mm", "1 m/s", material="bearing steel", angle="30 deg")
+    contact = fm.Contact(law, yield_strength="0.6 GPa", friction=0.3, **BATCHES[law])
+    scene = fm.Scene(ball, fm.HalfSpace("mild steel"), contact, fm.Effects(gravity=False, rate_hardening=False))
+    columns = {
+        "impactor.velocity": 10.0 ** rng.uniform(-1.0, 1.0, count),
+        "impactor.angle": np.radians(rng.uniform(2.0, 80.0, count)),
+        "contact.friction": rng.uniform(0.05, 0.8, count),
+    }
+    few, most = (simulate_many(scene, columns, Solver(accuracy)).oblique for accuracy in (1e-4, 1e-8))
+    before = columns["impactor.velocity"] * np.sin(columns["impactor.angle"])
+    off = np.abs(few.summary[NAME] - most.summary[NAME]) / before
+    assert np.mean(off <= few.estimated + most.estimated) >= LEAST.get(law, 0.99) and off.max() < 4e-3
+    assert np.mean(few.regime == most.regime) >= 0.97
+
+
 def test_a_force_that_meets_hertz_s_by_chance_does_not_narrow_a_contact_that_yields():
     """Walton and Braun's line crosses Hertz's force once, far beyond yield: without a jump of the radius there."""
     contact = fm.Contact("walton-braun", yield_strength="0.6 GPa", friction=0.3, **LAWS["walton-braun"])

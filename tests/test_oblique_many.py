@@ -11,6 +11,7 @@ import film_datasets as fd
 import film_model as fm
 from film_model.cli.main import main
 from film_model.oblique.result import MOTION, OBLIQUE, REGIMES
+from film_model.oblique.springs import STEPS, TURN
 from film_model.scene import Solver
 from film_model.solve.batch import simulate_many
 from film_model.solve.simulate import simulate_quietly
@@ -90,7 +91,8 @@ def test_impacts_that_yield_are_solved_by_springs_in_a_batch_too(angle):
 
 @pytest.mark.parametrize("angle", ["10 deg", "25 deg", "80 deg"])
 def test_batches_and_sweeps_have_the_bounds_of_contacts_that_yield(angle):
-    """At the accuracy of most springs those of single impacts; by fewer both models of these lie within."""
+    """At the accuracy of most springs they lie within those of single impacts, but for the error of the turn in even
+    steps; by fewer both models of these lie within."""
     scene = slanted(angle, law="elastoplastic", target=fm.HalfSpace("mild steel"))
     values, names = [0.5, 3.0, 8.0], ["sliding_after_low", "sliding_after_high"]
     coarse, fine = (fm.simulate_batch(scene, velocity=speeds(values), accuracy=a).oblique for a in (1e-4, 1e-8))
@@ -98,7 +100,8 @@ def test_batches_and_sweeps_have_the_bounds_of_contacts_that_yield(angle):
         one = simulate_quietly(scene.replace({"impactor.velocity": text}), accuracy=1e-8).oblique
         before, error = one.motion["sliding_velocity"][0], coarse["estimated_error"][row]
         low, high = (coarse[name][row] for name in names)
-        assert [fine[name][row] for name in names] == pytest.approx([one.low, one.high], abs=3e-6 * before)
+        turn, (least, most) = TURN / STEPS * before, (fine[name][row] for name in names)
+        assert one.low - turn <= least < most <= one.high + turn and most - least > one.high - one.low - 4.0 * turn
         assert low <= coarse["contact_point_rebound_velocity"][row] <= high
         assert low - error * before <= one.low < one.high <= high + error * before
     ds = fd.sweep(scene.replace({"solver.accuracy": 1e-4}), {"impactor.velocity": speeds(values)})

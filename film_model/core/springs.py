@@ -78,10 +78,18 @@ def impact(
     return found if status == native.OK else None, motion
 
 
-def many(count: int, numbers: Array, friction: Array, force: Array, radius: Array) -> NDArray[Any]:
-    """Results (MANY_DTYPE) of impacts without their motions. numbers: modulus, power, mass, velocity and time of a
-    step, (impacts, 5). friction: pairs as in :func:`impact`, of all or (impacts, pairs, 2). force, radius: (impacts,
-    times)."""
+def knots(count: int, legs: Array) -> Array:
+    """Times of `count` + 1 moments of each leg of contacts, (impacts, times). legs: turn and end, (impacts, 2)."""
+    legs = np.ascontiguousarray(legs, np.float64)
+    times = np.empty((len(legs), 2 * (count + 1)))
+    _library().film_springs_knots(len(legs), count, legs.ctypes.data, times.ctypes.data)
+    return times
+
+
+def many(count: int, steps: int, friction: Array, numbers: Array, force: Array, radius: Array) -> NDArray[Any]:
+    """Results (MANY_DTYPE) of impacts without their motions. steps: of a leg. friction: pairs as in :func:`impact`, of
+    all or (impacts, pairs, 2). numbers: modulus, power, mass, velocity and the times of the turn and the end, (impacts,
+    6). force, radius: at the times of :func:`knots`."""
     numbers, friction, force, radius = (
         np.ascontiguousarray(values, np.float64) for values in (numbers, friction, force, radius)
     )
@@ -89,7 +97,7 @@ def many(count: int, numbers: Array, friction: Array, force: Array, radius: Arra
     table = friction.ctypes.data, friction.shape[-2], friction.ndim == 2
     at = force.ctypes.data, radius.ctypes.data, found.ctypes.data
     sizes = native.instructions(), len(force), count
-    _library().film_springs_many(*sizes, numbers.ctypes.data, *table, force.shape[1] - 1, *at)
+    _library().film_springs_many(*sizes, numbers.ctypes.data, *table, steps, force.shape[1] // 2 - 1, *at)
     return found
 
 

@@ -247,7 +247,8 @@ def simulate_many(scene: Scene, columns: Mapping[str, Array], solver: Solver | N
         from film_model.solve.many_friction import oblique_of_many
         from film_model.solve.many_springs import Normal
 
-        normal = Normal(status, segments, summary["rebound_velocity"], summary["contact_duration"], estimated)
+        turn, end = summary["time_of_maximum_indentation"], summary["contact_duration"]
+        normal = Normal(status, segments, summary["rebound_velocity"], turn, end, estimated)
         oblique, left = oblique_of_many(problems, normal, solver)
         for row in left.tolist():
             _one_oblique(oblique, scene, columns, row, solver)

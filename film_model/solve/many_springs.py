@@ -23,24 +23,31 @@ from film_model.scene.rolling import sliding_of
 from film_model.solve.accuracy import mesh_of
 from film_model.solve.many_meshes import recorded_segments
 
-SAMPLES = 16_384
-"""Of normal motions at a time, which a processor's cache holds and with powers of 2 for steps fills lanes."""
+KNOTS = 32
+"""Of each leg of contact at which a motion is sampled, for accuracies from 1e-4 on."""
+
+ROUGH = 2e-3
+"""Of the largest force or radius, by which knots lie beside the cubic through every other one where the law has a kink
+or a jump (tests/test_friction_estimate.py)."""
+
+SAMPLES = 65_536
+"""Of normal motions at a time, which a processor's cache holds and with powers of 2 for knots fills lanes."""
 
 
 class Normal(NamedTuple):
-    """Normal motions. status: the core's. segments: of the march. rebound: m/s. duration: of contact, s. estimated:
+    """Normal motions. status: the core's. segments: of the march. rebound: m/s. turn, end: times, s. estimated:
     relative error."""
 
     status: NDArray[np.int32]
     segments: NDArray[np.int32]
     rebound: Array
-    duration: Array
+    turn: Array
+    end: Array
     estimated: Array
 
     def of(self, rows: Any) -> Normal:
         """Some of them."""
-        own = self.rebound[rows], self.duration[rows], self.estimated[rows]
-        return Normal(self.status[rows], self.segments[rows], *own)
+        return Normal(self.status[rows], self.segments[rows], *(values[rows] for values in self[2:]))
 
 
 def coarseness(solver: Solver) -> int:
@@ -62,48 +69,73 @@ def by_springs(
     tolerance = accuracy if problem.curve.reversible else max(accuracy, MODELLED)
     levels = springs.LEVELS[int(tolerance < MODELLED) :] if coarseness(solver) else springs.LEVELS[-1:]
     segments, mesh = normal.segments, mesh_of(solver, (1, 1))
-    alike = problem.own.alike and bool(np.all(problem.damping > 0.0))
-    if not (alike and families.by_series(problem.curve.native, mesh)):
-        # twice the segments with which the ends meet the accuracy: the force between is up to 1e-3 less exact if damped
-        # (tests/test_friction_estimate.py)
-        segments = np.minimum(2 * recorded_segments(problem, solver, segments), MOST_SEGMENTS)
-    motions = _Motions(problem, segments, normal.duration, solver)
+    damped = problem.damping > 0.0
+    if not (problem.own.alike and bool(np.all(damped)) and families.by_series(problem.curve.native, mesh)):
+        segments = recorded_segments(problem, solver, segments)
+        # of damped motions twice those with which the ends meet the accuracy: the force between is up to 1e-3 less
+        # exact (tests/test_friction_estimate.py)
+        segments = np.minimum(np.where(damped[:, None], 2 * segments, segments), MOST_SEGMENTS)
+    motions = _Motions(problem, segments, np.stack([normal.turn, normal.end], axis=1), solver)
     return _followed(motions, normal, tolerance, levels, 2 if bounded and not problem.curve.reversible else 1)
 
 
 @dataclass(frozen=True)
 class _Motions:
-    """Normal motions of impacts, by lines on their curves. segments: of their meshes. durations: s."""
+    """Normal motions of impacts, by lines on their curves. segments: of their meshes. legs: times of turn and end, s,
+    (impacts, 2)."""
 
     problem: Problem
     segments: NDArray[np.int32]
-    durations: Array
+    legs: Array
     solver: Solver
 
-    def blocks(self, places: Index, steps: int) -> Iterator[Index]:
+    def blocks(self, places: Index, knots: int) -> Iterator[Index]:
         """These impacts in parts of one mesh each, whose samples a processor's cache holds."""
         _, group = np.unique(self.segments[places], axis=0, return_inverse=True)
-        at_once = max(SAMPLES // steps, 1)
+        at_once = max(SAMPLES // (2 * knots), 1)
         for k in range(int(group.max(initial=-1)) + 1):
             alike = places[group.ravel() == k]
             yield from np.split(alike, range(at_once, alike.size, at_once))
 
-    def at(self, places: Index, steps: int) -> tuple[Array, Array, tuple[Array, ...], Array]:
-        """Times, forces and contact radii of some impacts, (impacts, times), SI, radii of a law that yields under two
-        models; nan without a record. Last the power with which the depth of each grows with its radius."""
-        problem, times = self.problem.part(places), np.linspace(0.0, 1.0, steps + 1) * self.durations[places, None]
+    def sampled(self, knots: int) -> Iterator[tuple[Index, Array, tuple[Array, ...], Array]]:
+        """Places of impacts, and the results of `at` at as many knots, or at twice as many where they are `_rough`."""
+        left = list[Index]()
+        for some in self.blocks(np.arange(len(self.legs)), knots):
+            force, radii, power = self.at(some, knots)
+            if not self.problem.curve.reversible:
+                rough = _rough(force[:, : knots + 1]) | _rough(radii[0][:, : knots + 1])
+                left.append(some[rough])
+                some, force, power = some[~rough], force[~rough], power[~rough]
+                radii = tuple(radius[~rough] for radius in radii)
+            yield some, force, radii, power
+        for some in self.blocks(np.concatenate([*left, np.arange(0)]), 2 * knots):
+            yield some, *self.at(some, 2 * knots)
+
+    def at(self, places: Index, knots: int) -> tuple[Array, tuple[Array, ...], Array]:
+        """Forces and contact radii of some impacts at the knots of their legs, (impacts, times), SI, radii of a law
+        that yields under two models; nan without a record. Last the power with which the depth of each grows with its
+        radius."""
+        problem = self.problem.part(places)
         scales = problem.scales.part((slice(None), None))
         counts = self.segments[places[0]].tolist()
-        force, depth, slope, power = problem.motions(mesh_of(self.solver, (counts[0], counts[1])), times / scales.time)
+        times = core.knots(knots, self.legs[places] / scales.time)
+        force, depth, slope, power = problem.motions(mesh_of(self.solver, (counts[0], counts[1])), times)
         force = np.maximum(force, 0.0, out=force) * scales.force
         if slope is not None:
             modulus = column(problem.scene.effective_modulus, places.size)[:, None]
-            return times, force, (slope * (scales.force / scales.length / (2.0 * modulus)),), power
+            return force, (slope * (scales.force / scales.length / (2.0 * modulus)),), power
         depth *= scales.length
-        loading, law = int(depth.argmax(axis=1).max()) + 1, np.full(depth.shape, np.nan)
-        law[:, :loading] = radius_beyond_yield(problem, depth[:, :loading].T, force[:, :loading].T).T
+        law, inwards = np.full(depth.shape, np.nan), slice(knots + 1)
+        law[:, inwards] = radius_beyond_yield(problem, depth[:, inwards].T, force[:, inwards].T).T
         first, second = core.radii(force, depth, law, 1.0)
-        return times, force, (first, second / column(problem.scene.effective_modulus, places.size)[:, None]), power
+        return force, (first, second / column(problem.scene.effective_modulus, places.size)[:, None]), power
+
+
+def _rough(values: Array) -> NDArray[np.bool_]:
+    """Which values at knots up to the turn have a kink or jump between."""
+    odd = values[:, 3:-3:2]
+    between = (9.0 * (values[:, 2:-4:2] + values[:, 4:-2:2]) - values[:, :-6:2] - values[:, 6::2]) / 16.0
+    return np.abs(odd - between).max(axis=1) > ROUGH * values.max(axis=1)
 
 
 def _followed(
@@ -120,24 +152,25 @@ def _followed(
     after, error, slack = np.full((3, models, count), np.nan)
     peak, when, taken = np.full((3, count), np.nan)
     regime = np.full(count, -1, np.int8)
-    left = np.arange(count)
-    for level, steps in levels:
-        for some in motions.blocks(left, steps):
-            t, force, radii, power = motions.at(some, steps)
-            numbers = np.stack([modulus[some], power, mass[some], velocity[some], t[:, 1]], axis=1)
-            table = pairs[some] if given.table is None else given.pairs
-            runs = np.stack([core.many(level, numbers, table, force, radius) for radius in radii[:models]])
-            known = (runs["status"] == native.OK).all(axis=0)
-            rows, runs, t = some[known], runs[:, known], t[known]
-            after[:, rows], error[:, rows] = runs["velocity"], springs.SAFETY * runs["error"]
-            slack[:, rows], taken[rows] = runs["slack"], steps
-            peak[rows], regime[rows] = runs["force"][0], runs["regime"][0]
-            when[rows] = t[np.arange(rows.size), runs["step"][0]]
-        left = left[error[0, left] > tolerance * abs(velocity[left])]
-        if left.size == 0:
-            break
+    finer = KNOTS * (DEFAULT_ACCURACY / tolerance) ** 0.5
+    knots = max(levels[0][1] // 8, min(int(finer), springs.STEPS // 8), KNOTS)
+    for some, force, radii, power in motions.sampled(knots):
+        numbers = np.stack([modulus[some], power, mass[some], velocity[some], *motions.legs[some].T], axis=1)
+        own = np.arange(some.size)
+        for level, steps in levels:
+            table, left = pairs[some[own]] if given.table is None else given.pairs, (numbers[own], force[own])
+            runs = [core.many(level, steps // 2, table, *left, radius[own]) for radius in radii[:models]]
+            known = np.all([run["status"] == native.OK for run in runs], axis=0)
+            done, of = some[own[known]], [run[known] for run in runs]
+            for name, values in (("velocity", after), ("error", error), ("slack", slack)):
+                values[:, done] = [run[name] for run in of]
+            peak[done], regime[done], when[done], taken[done] = of[0]["force"], of[0]["regime"], of[0]["time"], steps
+            own = own[springs.SAFETY * error[0, some[own]] > tolerance * abs(velocity[some[own]])]
+            if own.size == 0:
+                break
+    error *= springs.SAFETY
     rows = np.flatnonzero((slack <= springs.SLIDING).any(axis=0))
-    impulse = column(normal_impulse(scene, problem, normal.rebound, motions.durations), count)
+    impulse = column(normal_impulse(scene, problem, normal.rebound, normal.end), count)
     sliding = given._replace(friction=friction[rows], mass=mass[rows], velocity=velocity[rows])
     after[:, rows] = np.where(slack[:, rows] <= springs.SLIDING, slid(sliding, impulse[rows]), after[:, rows])
     found = results(scene, given, normal.rebound, after[0], (peak, when))

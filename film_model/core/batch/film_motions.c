@@ -75,7 +75,18 @@ void film_motions_many(const film_motions *m, const film_curves *of, const film_
     }
 }
 
+void film_springs_knots(int64_t count, int64_t knots, const double *legs, double *times) {
+    for (int64_t i = 0; i < count; i++, times += 2 * (knots + 1)) {
+        double turn = legs[2 * i], out = legs[2 * i + 1] - turn;
+        for (int64_t k = 0; k <= knots; k++) {
+            double share = film_leg_share((double)k / (double)knots);
+            times[k] = k == knots ? turn : turn * share;
+            times[2 * knots + 1 - k] = k == knots ? turn : legs[2 * i + 1] - out * share;
+        }
+    }
+}
+
 void film_springs_many(int instructions, int64_t count, int32_t springs, const double *numbers, const double *friction, int32_t rows,
-                       int shared, int64_t steps, const double *force, const double *radius, film_springs_brief *results) {
-    film_routines(instructions)->slide(count, springs, numbers, friction, rows, shared, steps, force, radius, results);
+                       int shared, int64_t steps, int64_t knots, const double *force, const double *radius, film_springs_brief *results) {
+    film_routines(instructions)->slide(count, springs, numbers, friction, rows, shared, steps, knots, force, radius, results);
 }

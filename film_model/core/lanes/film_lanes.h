@@ -7,6 +7,13 @@
 #include "oblique/film_springs.h"
 #include "tables/film_job.h"
 
+/* The time over that of a leg of contact, after a share x of its steps from first touch on: as x^2 at first, so that radius and
+ * force are as powers of x, and soon in proportion. */
+static inline double film_leg_share(double x) {
+    double square = x * x;
+    return square * sqrt(sqrt(17.0 / (1.0 + 16.0 * square * square)));
+}
+
 /* For film_batch_of and film_motions_many: an impact that lanes cannot run. */
 enum { LEFT_ALONE = 100 };
 
@@ -112,7 +119,7 @@ typedef struct {
                    double *values, int64_t stride);
     /* film_springs_many */
     void (*slide)(int64_t count, int32_t springs, const double *numbers, const double *friction, int32_t rows, int shared, int64_t steps,
-                  const double *force, const double *radius, film_springs_brief *results);
+                  int64_t knots, const double *force, const double *radius, film_springs_brief *results);
 } block_routines;
 
 extern const block_routines film_plain;

@@ -11,6 +11,7 @@
 
 enum {
     FILM_MOST_SPRINGS = 256, /* most springs */
+    FILM_MOST_STEPS = 1024,  /* of a leg, of impacts side by side */
     FILM_MOST_PHASES = 32,   /* that a film_watch keeps; later ones are left out */
     FILM_MOST_POWER = 40     /* all but the outermost springs share alike */
 };
@@ -91,17 +92,21 @@ int film_springs_end(film_springs_impact_result *result, double last, double bef
 /* The depth at which the contact has a radius of so many widths, in widths^power. */
 double film_springs_reached(double power, double widths);
 
-/* Of one impact of many. status: as film_springs_impact returns it; the others as above. */
+/* Of one impact of many. time: of the largest force. status: as film_springs_impact returns it; the others as above. */
 typedef struct {
-    double velocity, force, error, slack;
-    int64_t step;
+    double velocity, force, time, error, slack;
     int32_t regime, status;
 } film_springs_brief;
 
-/* count impacts in as many steps, side by side, without their motions. numbers: of each modulus, power, mass, velocity and the time of a step. friction: `rows` pairs of all
- * if shared is 1, else of each. force, radius: steps + 1 of each. */
+/* Times of the knots of `count` impacts, one after another: `knots` + 1 from first touch to the turn, as many from there to the end.
+ * legs: times of the turn and the end of each. */
+FILM_API void film_springs_knots(int64_t count, int64_t knots, const double *legs, double *times);
+
+/* count impacts side by side, without their motions. numbers: of each modulus, power, mass, velocity and the times of the turn and the
+ * end. friction: `rows` pairs of all if shared is 1, else of each. steps: of each leg, a multiple of 4 up to FILM_MOST_STEPS. force,
+ * radius: at the times of film_springs_knots, with cubics between; the radius may jump at the turn. knots: at least 3. */
 FILM_API void film_springs_many(int instructions, int64_t count, int32_t springs, const double *numbers, const double *friction,
-                                int32_t rows, int shared, int64_t steps, const double *force, const double *radius,
+                                int32_t rows, int shared, int64_t steps, int64_t knots, const double *force, const double *radius,
                                 film_springs_brief *results);
 
 /* How many springs touch. */

@@ -98,8 +98,6 @@ def run(
 
 
 def _why_no_exchange(data: resource.Data) -> str:
-    if resource.slides(data):
-        return "it has friction"
     relaxes = data.relaxation.tolerance > 0.0
     return "its material is viscoelastic" if relaxes else "its target vibrates or has a static stiffness"
 

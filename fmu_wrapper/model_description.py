@@ -14,7 +14,7 @@ from film_model.base.units import scene_unit
 from film_model.scene import Scene
 from film_model.version import __version__
 from fmu_wrapper.nominals import nominals
-from fmu_wrapper.resource import Data, has, has_exchange
+from fmu_wrapper.resource import Data, has, has_exchange, slides, states_of
 from fmu_wrapper.variables import (
     ITEMS,
     KINDS,
@@ -171,7 +171,8 @@ def _true(*names: str) -> dict[str, str]:
 def _interfaces(root: ET.Element, data: Data, version: FmiVersion, identifier: str, sources: list[str]) -> None:
     kind = KINDS[data.kind]
     damped = bool(data.curve.stage[0].damped)
-    needs_completed_step = kind == "contact" and damped  # for the maximum force, which no event reports
+    # for the maximum force, which no event reports, and for the springs of friction
+    needs_completed_step = kind == "contact" and damped or slides(data)
     variable = _true("canHandleVariableCommunicationStepSize")
     rates = {"maxOutputDerivativeOrder": "1"} if kind == "impact" and has_exchange(data) else {}
     if version == 2:
@@ -255,7 +256,7 @@ def _variable_2(
     if v.type in ITEMS:
         ET.SubElement(element, "Enumeration", declaredType=v.type)
         return
-    rate = {"derivative": str(_index(chosen, v.rate_of))} if v.rate_of in STATES and data.kind == 0 else {}
+    rate = {"derivative": str(_index(chosen, v.rate_of))} if v.rate_of in states_of(data) else {}
     ET.SubElement(element, "Real" if v.type == Real else "Integer", _number(v, data, rate, sizes))
 
 
@@ -265,7 +266,8 @@ def _variable_3(
     if v.type in ITEMS:
         ET.SubElement(parent, "Enumeration", {**head, "declaredType": v.type})
         return
-    if v.rate_of is not None and data.kind == 0:
+    if v.rate_of in states_of(data):
+        assert v.rate_of is not None
         head["derivative"] = str(reference(v.rate_of))
     if v.variability == "continuous" and v.causality[KINDS[data.kind]] in ("input", "output"):
         head["intermediateUpdate"] = "true"
@@ -282,7 +284,7 @@ def _structure(
     kind, exchange = KINDS[data.kind], has_exchange(data)
     structure = ET.SubElement(root, "ModelStructure")
     outputs = [v for v in chosen if v.causality[kind] == "output"]
-    states = STATES if kind == "impact" and exchange else ()
+    states = states_of(data)
     rates = [next(v for v in chosen if v.rate_of == state) for state in states]
     initial = [v for v in chosen if v in outputs or v in rates]
     parameters = [v.name for v in chosen if v.causality[kind] == "parameter"]
@@ -311,8 +313,7 @@ def _structure(
         return row(v, (u.name for u in chosen if u.causality[kind] in ("parameter", "input")))
 
     def indicator(v: Variable) -> dict[str, str]:
-        names = STATES if kind == "impact" else ()
-        return row(v, (*names, *(u.name for u in chosen if u.causality[kind] == "input")))
+        return row(v, (*states, *(u.name for u in chosen if u.causality[kind] == "input")))
 
     if version == 2:
         for name, rows, of in (

@@ -19,7 +19,7 @@ def nominals(data: Data, stop_time: float, sensed: Iterable[Variable] = ()) -> d
         if v.type != Real or v.dimension is None:
             continue
         given = abs(data.start[k]) if k < settable() and v.causality.get(KINDS[data.kind]) == "parameter" else 0.0
-        if v.name in STATES:
+        if v.name in STATES and data.nominal[STATES.index(v.name)] > 0.0:
             found[v.name] = data.nominal[STATES.index(v.name)]
         elif 0.0 < given < RIGID:
             found[v.name] = given
@@ -30,7 +30,7 @@ def nominals(data: Data, stop_time: float, sensed: Iterable[Variable] = ()) -> d
 
 def _sizes(data: Data, stop_time: float) -> dict[str, float]:
     """Dimension → size in the impact, SI."""
-    depth, speed, _ = data.nominal
+    depth, speed = data.nominal[:2]
     lever = data.friction.lever or math.inf
     mass, force = data.start[reference("mass")], loading_force(data, depth, speed)
     return {
@@ -44,5 +44,6 @@ def _sizes(data: Data, stop_time: float) -> dict[str, float]:
         "energy": 0.5 * mass * speed**2,
         "impulse": mass * speed,
         "angular_frequency": speed / lever,
+        "angular_acceleration": force / (mass * lever),
         "torque": force * lever,
     }

@@ -53,7 +53,7 @@ from fmu_wrapper.powers import (
     rational,
     restitution_series,
 )
-from fmu_wrapper.variables import KINDS, OF_FRICTION, RIGID, VARIABLES, Kind, Variable, reference, settable
+from fmu_wrapper.variables import KINDS, OF_FRICTION, RIGID, STATES, VARIABLES, Kind, Variable, reference, settable
 
 NAME, NOTES, SCENE = "model.film", "notes.json", "scene.toml"
 NAMES = (NAME, NOTES, SCENE)
@@ -80,7 +80,8 @@ def model_data(
     vibration: Vibration | None = None,
     tolerance: float = 0.0,
 ) -> Data:
-    """The data of an export, without its token. gap: at the start, m. nominal: of the states, SI. vibration: on a
+    """The data of an export, without its token. gap: at the start, m. nominal: of the states of the
+    normal motion, SI. vibration: on a
     vibrating target, with the modes to follow. tolerance: of the steps of viscoelastic bodies.
 
     Raises SimulationError for more than `MOST_MODES` modes,
@@ -121,7 +122,7 @@ def model_data(
     _put_damping(data, problem, damping, series)
     _put_validity(data, validity)
     data.speed = max(scene.approach_velocity, 1e-9)
-    data.nominal[:] = nominal
+    data.nominal[: len(nominal)] = nominal
     data.stresses = _stresses(problem)
     data.curve = curve_of(problem.law).native
     _put_family(data, problem)
@@ -139,7 +140,10 @@ def _put_relaxation_and_friction(data: Data, problem: Problem, tolerance: float)
     sliding = sliding_of(problem.scene, at_rest=True)
     if sliding is not None:
         number, table = problem.scene.impactor.inertia_number, sliding.table.rows if sliding.table else ()
-        data.friction = Friction(sliding.ratio, sliding.impactor.lever, number, len(table))
+        (depth, speed), lever = data.nominal[:2], sliding.impactor.lever
+        slips = sliding.ratio * float(sliding.friction) * depth or depth  # before all slides
+        data.nominal[3:] = (slips, speed, speed / lever, problem.mass * speed)
+        data.friction = Friction(sliding.ratio, lever, number, len(table))
         data.tail += np.array(table).tobytes()
 
 
@@ -342,10 +346,17 @@ def has(data: Data, name: str) -> bool:
 
 
 def has_exchange(data: Data) -> bool:
-    """Whether the FMU is for Model Exchange too: not on a target that vibrates or has a static stiffness, not of
-    viscoelastic bodies, and not with friction."""
+    """Whether the FMU is for Model Exchange too: not on a target that vibrates or has a static stiffness, and not of
+    viscoelastic bodies."""
     stiff = data.available[reference("target_stiffness")]
-    return not (data.modes.count or data.relaxation.tolerance or stiff or slides(data))
+    return not (data.modes.count or data.relaxation.tolerance or stiff)
+
+
+def states_of(data: Data) -> tuple[str, ...]:
+    """The continuous states of the FMU in Model Exchange."""
+    if KINDS[data.kind] == "contact" or not has_exchange(data):
+        return ()
+    return tuple(name for name in STATES if has(data, name))
 
 
 def slides(data: Data) -> bool:

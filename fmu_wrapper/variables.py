@@ -94,8 +94,12 @@ for _row in _rows("enumerations.csv"):
 
 PHASES, EVENT_KINDS, SLIDINGS = ITEMS["Phase"], ITEMS["EventKind"], ITEMS["Sliding"]
 
-STATES = ("indentation", "impactor_velocity", "target_displacement")
-"""Continuous states of the impact, in the order of the state vector. The contact has none."""
+STATES = (
+    *("indentation", "impactor_velocity", "target_displacement"),
+    *("sliding_displacement", "tangential_velocity", "spin", "tangential_impulse"),
+)
+"""Continuous states of an impact with friction, in the order of the state vector; without it the first three. The
+contact has none."""
 
 EVENT_TIMES = {variable.name: variable.event for variable in VARIABLES if variable.event is not None}
 """Outputs that are times of events, and the events, in the order of events at one time."""

@@ -47,6 +47,7 @@ DIMENSIONS: dict[str, Dimension] = {
     "acceleration": Dimension("m s-2", "an acceleration", "9.81 m/s^2"),
     "frequency": Dimension("Hz", "a frequency", "10 kHz"),
     "angular_frequency": Dimension("rad s-1", "an angular frequency", "100 rad/s"),
+    "angular_acceleration": Dimension("rad s-2", "an angular acceleration", "100 rad/s^2"),
     "rate": Dimension("s-1", "a rate", "100 s^-1"),
     "force": Dimension("N", "a force", "500 N"),
     "pressure": Dimension("Pa", "a pressure", "210 GPa"),

@@ -131,7 +131,8 @@ fmi2Status fmi2CompletedIntegratorStep(fmi2Component c, fmi2Boolean noSetFMUStat
     NEED(enterEventMode, 1);
     NEED(terminateSimulation, 1);
     if (instance_completed(i, HERE) != GOOD) return fmi2Error;
-    *enterEventMode = *terminateSimulation = fmi2False;
+    *enterEventMode = model_has_unreported(&i->model); /* a new phase of sliding */
+    *terminateSimulation = fmi2False;
     return fmi2OK;
 }
 

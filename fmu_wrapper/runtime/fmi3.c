@@ -269,7 +269,8 @@ fmi3Status fmi3CompletedIntegratorStep(fmi3Instance c, fmi3Boolean noSetFMUState
     NEED(enterEventMode, 1);
     NEED(terminateSimulation, 1);
     if (instance_completed(i, HERE) != GOOD) return fmi3Error;
-    *enterEventMode = *terminateSimulation = fmi3False;
+    *enterEventMode = model_has_unreported(&i->model) != 0; /* a new phase of sliding */
+    *terminateSimulation = fmi3False;
     return fmi3OK;
 }
 

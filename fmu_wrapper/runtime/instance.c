@@ -80,8 +80,8 @@ instance *instance_new(const char *function, const instance_options *options, co
         error = message;
     }
     if (!error && options->model_exchange && !model_has_exchange(i->data))
-        error = "this FMU is for Co-Simulation, because its target vibrates or follows the force by a static stiffness, its "
-                "bodies are viscoelastic, or it has friction";
+        error = "this FMU is for Co-Simulation, because its target vibrates or follows the force by a static stiffness, or its "
+                "bodies are viscoelastic";
     if (error) {
         instance_error(&none, function, "%s", error), instance_free(i);
         return NULL;
@@ -336,7 +336,7 @@ int instance_set_time(instance *i, const char *function, double time) {
 }
 
 size_t instance_state_count(const instance *i) {
-    return i->data->kind == IMPACT ? STATES : 0;
+    return (size_t)model_state_count(i->data);
 }
 
 int instance_set_states(instance *i, const char *function, const double *states, size_t count) {

@@ -215,7 +215,9 @@ int model_initialize(model *m, double time) {
     now->contact_speed = m->data->speed / now->velocity;
     now->states[0] = -gap;
     now->states[1] = contact ? 0.0 : value[INITIAL_VELOCITY];
-    now->states[2] = 0.0;
+    now->states[2] = now->states[3] = now->states[6] = 0.0;
+    now->states[4] = contact ? 0.0 : value[INITIAL_TANGENTIAL_VELOCITY];
+    now->states[5] = contact ? 0.0 : value[INITIAL_SPIN];
     now->indentation = now->committed_indentation = value[INDENTATION];
     now->committed_rate = now->rate = value[RELATIVE_VELOCITY];
     now->committed_time = time;
@@ -225,14 +227,17 @@ int model_initialize(model *m, double time) {
     return 0;
 }
 
-/* Whether the contact remembers the parameters that it began with: off the law's own stages, or apart from a dent. */
-static int remembers(const film_state *state) {
+/* Whether the contact remembers the parameters that it began with: off the law's own stages, apart from a dent, or
+ * by springs of friction. */
+static int remembers(const model *m) {
+    const film_state *state = &m->memory.state;
+    if (slides(m) && m->memory.sliding.springs.radius > 0.0) return 1;
     return state->branch == FILM_FREE ? state->xi_free != 0.0 : state->branch < 0;
 }
 
 static int move_to(model *m, unsigned reference, double value) {
     model_memory *now = &m->memory;
-    double force = now->force, velocity = now->velocity;
+    double force = now->force, velocity = now->velocity, time_scale = now->time_scale;
     if (model_set(m, reference, value) < 0) return -1;
     now->initialized = 1; /* the motion goes on */
     if (scale(m) < 0) return -1;
@@ -242,16 +247,18 @@ static int move_to(model *m, unsigned reference, double value) {
     if (state->branch != FILM_FREE) state->line.damper = state->damper;
     state->force_peak *= force / now->force;
     now->contact_speed *= velocity / now->velocity;
+    sliding_rescale(m, time_scale, velocity);
     return 0;
 }
 
 int model_move_parameter(model *m, unsigned reference, double value) {
     double before = m->memory.value[reference];
-    int of_start = reference == INITIAL_VELOCITY || reference == INITIAL_GAP || VARIABLE[reference].type != REAL;
-    int of_body = reference == MASS || reference == TARGET_IMPEDANCE || reference == GRAVITY;
+    int of_start = reference == INITIAL_VELOCITY || reference == INITIAL_GAP || reference == INITIAL_TANGENTIAL_VELOCITY ||
+                   reference == INITIAL_SPIN || VARIABLE[reference].type != REAL;
+    int of_body = reference == MASS || reference == TARGET_IMPEDANCE || reference == GRAVITY || reference == FRICTION;
     if (of_start) return model_error(m, "%s belongs to the start: it can only be set before the end of Initialization Mode",
                                      VARIABLE[reference].name);
-    if (!of_body && remembers(&m->memory.state))
+    if (!of_body && remembers(m))
         return model_error(m, "%s cannot change now: the contact remembers an indentation with the parameters that it began with",
                            VARIABLE[reference].name);
     if (move_to(m, reference, value) == 0) {

@@ -9,7 +9,9 @@
 #include "relax/film_relax.h"
 #include "variables.h"
 
-enum { STATES = 3 };                   /* indentation, impactor velocity, target displacement */
+/* Indentation, impactor velocity, target displacement; with friction also sliding displacement, tangential velocity, spin and
+ * tangential impulse. */
+enum { NORMAL_STATES = 3, STATES = 7 };
 enum { SCALINGS = 7, DAMPINGS = 12, RESTITUTION_TERMS = 48 };  /* parameters that scale the march, and its damping; see model_data */
 enum { INPUTS = 5 };                   /* of an impact, from EXTERNAL_FORCE on */
 enum { LIMITS = 2, LONGEST_REASON = 80 };
@@ -126,6 +128,7 @@ typedef struct {
     double tangential_support;                   /* the input in use, m/s */
     double pushed, turned;                       /* integrals of tangential_force and torque, N s and N m s */
     film_sliding sliding;                        /* motion along the surface, of an FMU with friction */
+    film_slide_point accepted;                   /* in Model Exchange: where its springs are */
     double sliding_time;                         /* when its latest phase began, s; and what and how many */
     int32_t sliding_event, sliding_events;
     film_state state;                            /* on a vibrating target (time in s), and of viscoelastic bodies: as the state
@@ -234,11 +237,13 @@ int model_announce(model *m, char *text, size_t room);
 
 /* Model Exchange. Not on a target that vibrates or has a static stiffness, and not of viscoelastic bodies. */
 int model_has_exchange(const model_data *data);
+int model_state_count(const model_data *data);
 int model_is_state(const model *m, unsigned reference);
 int model_set_state(model *m, unsigned reference, double value);
 int model_rates(model *m, double rates[STATES]);
 int model_indicators(model *m, double indicators[FILM_INDICATORS]);
 int model_apply_events(model *m);    /* all events that are due */
-void model_accept_states(model *m);  /* states and inputs belong to the solution: the integrator step was accepted */
+void model_accept_states(model *m);  /* states and inputs belong to the solution: the integrator step was accepted; then
+                                        model_has_unreported tells of a new phase of sliding */
 
 #endif

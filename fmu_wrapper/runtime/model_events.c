@@ -68,7 +68,10 @@ void model_record_event(const model *m, const film_state *state, double time, do
 }
 
 int model_has_unreported(const model *m) {
-    return m->memory.actual.events != m->memory.reported.events || m->memory.actual.phase != m->memory.reported.phase;
+    const model_record *actual = &m->memory.actual, *reported = &m->memory.reported;
+    return actual->events != reported->events || actual->phase != reported->phase ||
+           actual->value[SLIDING - SETTABLE] != reported->value[SLIDING - SETTABLE] ||
+           actual->value[SLIDING_EVENT_COUNT - SETTABLE] != reported->value[SLIDING_EVENT_COUNT - SETTABLE];
 }
 
 void model_report(model *m) {

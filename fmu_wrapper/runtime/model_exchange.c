@@ -22,33 +22,42 @@ static void load_states(model *m) {
 
 int model_has_exchange(const model_data *data) {
     return data->kind == CONTACT ||
-           (data->modes.count == 0 && !data->available[TARGET_STIFFNESS] && !data->available[TORQUE] &&
-            data->relaxation.tolerance == 0.0);
+           (data->modes.count == 0 && !data->available[TARGET_STIFFNESS] && data->relaxation.tolerance == 0.0);
 }
 
-static int state_index(unsigned reference) {
-    return reference == INDENTATION ? 0 : reference == IMPACTOR_VELOCITY ? 1 : reference == TARGET_DISPLACEMENT ? 2 : -1;
+int model_state_count(const model_data *data) {
+    return data->kind == CONTACT ? 0 : data->available[TORQUE] ? STATES : NORMAL_STATES;
 }
 
-int model_is_state(const model *m, unsigned reference) {
-    return m->data->kind == IMPACT && state_index(reference) >= 0;
+static const unsigned STATE[STATES] = {INDENTATION, IMPACTOR_VELOCITY, TARGET_DISPLACEMENT, SLIDING_DISPLACEMENT, TANGENTIAL_VELOCITY,
+                                       SPIN, TANGENTIAL_IMPULSE};
+
+unsigned model_state(int k) { return STATE[k]; }
+
+/* Of a variable among the states, or -1. */
+static int state_index(const model *m, unsigned reference) {
+    for (int k = 0; k < model_state_count(m->data); k++)
+        if (STATE[k] == reference) return k;
+    return -1;
 }
+
+int model_is_state(const model *m, unsigned reference) { return state_index(m, reference) >= 0; }
 
 int model_set_state(model *m, unsigned reference, double value) {
     if (!isfinite(value)) return model_error(m, "%s: %g is not finite", VARIABLE[reference].name, value);
-    m->memory.states[state_index(reference)] = value;
+    m->memory.states[state_index(m, reference)] = value;
     return 0;
 }
 
 int model_rates(model *m, double rates[STATES]) {
-    if (model_get(m, RELATIVE_VELOCITY, &rates[0]) < 0 || model_get(m, IMPACTOR_ACCELERATION, &rates[1]) < 0 ||
-        model_get(m, TARGET_VELOCITY, &rates[2]) < 0)
-        return -1;
+    static const unsigned rate[STATES] = {RELATIVE_VELOCITY, IMPACTOR_ACCELERATION, TARGET_VELOCITY, SLIDING_VELOCITY,
+                                          RATE_OF_TANGENTIAL_VELOCITY, RATE_OF_SPIN, FRICTION_FORCE};
+    for (int k = 0; k < model_state_count(m->data); k++)
+        if (model_get(m, rate[k], &rates[k]) < 0) return -1;
     return 0;
 }
 
 int model_output_rate(model *m, unsigned reference, int order, double *rate) {
-    static const unsigned known[STATES] = {INDENTATION, IMPACTOR_VELOCITY, TARGET_DISPLACEMENT};
     double rates[STATES], partial;
     *rate = 0.0;
     if (order != 1) return model_error(m, "outputs have time derivatives of order 1, not %d", order);
@@ -58,8 +67,8 @@ int model_output_rate(model *m, unsigned reference, int order, double *rate) {
         return model_error(m, "value reference %u is not a real output", reference);
     if (model_is_discrete(reference)) return 0;
     if (model_rates(m, rates) < 0) return -1;
-    for (int k = 0; k < STATES; k++) {
-        if (model_partial(m, reference, known[k], &partial) < 0) return -1;
+    for (int k = 0; k < model_state_count(m->data); k++) {
+        if (model_partial(m, reference, STATE[k], &partial) < 0) return -1;
         *rate += partial * rates[k];
     }
     return isfinite(*rate) ? 0 : model_not_finite(m, VARIABLE[reference].name);
@@ -83,6 +92,7 @@ int model_indicators(model *m, double indicators[FILM_INDICATORS]) {
 
 void model_accept_states(model *m) {
     film_state *state = &m->memory.state;
+    if (slides(m)) sliding_accept(m);
     if (!damped(m)) return; /* an undamped force has its maximum at the event maximum indentation */
     load_states(m);
     state->force_peak = fmax(state->force_peak, film_force(m->curve, state, state->xi, state->nu).force);
@@ -101,6 +111,7 @@ int model_apply_events(model *m) {
         if (status < 0) return model_core_error(m, status);
         now->actual.phase = now->state.phase;
         now->actual.stage = now->state.branch;
+        if (status != FILM_EVENT && slides(m)) sliding_accept(m);
         if (status != FILM_EVENT) return 0;
         if (now->state.event == FILM_CONTACT_BEGINS && now->state.nu != 0.0) now->contact_speed = fabs(now->state.nu);
         model_record_event(m, &now->state, now->time, m->data->kind == CONTACT ? 0.0 : now->states[1], &now->actual);

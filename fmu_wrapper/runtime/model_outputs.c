@@ -178,7 +178,7 @@ int model_depends(const model *m, unsigned unknown, unsigned known) {
     int exchange = model_has_exchange(m->data);
     if (model_is_sensed(m, unknown)) return (unknown - VARIABLES) % SENSED == 1 && known == SUPPORT_VELOCITY; /* the velocity */
     if (!exchange && is_exchanged(unknown)) return -1;
-    if (model_of_friction(unknown)) return slides(m) ? 0 : -1;
+    if (model_of_friction(unknown) && !slides(m)) return -1;
     if (!exchange && model_is_state(m, known)) return model_depends(m, unknown, TIME); /* they are no states there */
     int impact = m->data->kind == IMPACT;
     if (model_is_parameter(m, known) && !vibrates(m) && model_depends(m, unknown, TIME) >= 0)
@@ -186,7 +186,7 @@ int model_depends(const model *m, unsigned unknown, unsigned known) {
     const film_variable *of = &VARIABLE[unknown];
     unsigned by = of->by[m->data->kind] | (damped(m) ? of->by_if_damped[m->data->kind] : 0u), place = known - EXTERNAL_FORCE;
     if (of->by[m->data->kind] == 0u) return model_is_discrete(unknown) ? 0 : -1;
-    return place <= TARGET_DISPLACEMENT - EXTERNAL_FORCE && (by & BY(known)) != 0u;
+    return place <= TANGENTIAL_IMPULSE - EXTERNAL_FORCE && (by & BY(known)) != 0u;
 }
 
 int model_partial(model *m, unsigned unknown, unsigned known, double *partial) {
@@ -202,6 +202,7 @@ int model_partial(model *m, unsigned unknown, unsigned known, double *partial) {
     if (!model_depends(m, unknown, known)) return 0;
     *partial = 1.0;
     if (sensed) return 0;
+    if (model_of_friction(unknown)) return sliding_partial(m, unknown, known, partial);
     modes_sum(m);
     if (compute_motion(m, &current, 1) < 0) return -1;
     double mass = m->memory.value[MASS], force = 0.0;

@@ -19,6 +19,9 @@ int model_is_discrete(unsigned reference);
 /* Partial derivative of an output with respect to an input or state. */
 int model_partial(model *m, unsigned unknown, unsigned known, double *partial);
 
+/* The variable that is a state. */
+unsigned model_state(int k);
+
 /* The indentation in a state, over the length scale, without the deflection of a static stiffness. */
 double model_indentation(const model *m, const film_state *state);
 
@@ -59,11 +62,19 @@ static inline int relaxes(const model *m) { return m->data->relaxation.tolerance
 static inline int sprung(const model *m) { return m->data->kind == IMPACT && m->data->available[TARGET_STIFFNESS]; }
 
 /* Friction: at the start, with new inputs, and beside the motion from a state to that of now, of which only the latter may be at
- * an event (on a vibrating target modes_step has done that); the last returns the core's status. model_of_friction: whether an output is one of friction, and its value. */
+ * an event (on a vibrating target modes_step has done that); the last returns the core's status. sliding_accept: in Model Exchange, the
+ * springs follow to the states and inputs of now; sliding_rescale: after the scales were these; sliding_partial: as model_partial.
+ * model_of_friction: whether an output is one of friction, and its value. */
 int sliding_begin(model *m);
 void sliding_input(model *m);
 int sliding_follow(model *m, const film_state *from);
-static inline int model_of_friction(unsigned reference) { return reference >= SLIDING_VELOCITY && reference <= TIME_OF_LAST_SLIDING_EVENT; }
+void sliding_accept(model *m);
+void sliding_rescale(model *m, double time_scale, double velocity);
+int sliding_partial(model *m, unsigned unknown, unsigned known, double *partial);
+static inline int model_of_friction(unsigned reference) {
+    return (reference >= SLIDING_DISPLACEMENT && reference <= TIME_OF_LAST_SLIDING_EVENT) ||
+           reference == RATE_OF_TANGENTIAL_VELOCITY || reference == RATE_OF_SPIN;
+}
 double sliding_output(const model *m, unsigned reference);
 static inline int slides(const model *m) { return m->data->kind == IMPACT && m->data->available[TORQUE]; }
 

@@ -45,8 +45,8 @@ static int is_unknown(const model *m, unsigned reference, int what) {
     if (reference - EVENT_INDICATOR_1 < FILM_INDICATORS || reference == TIME || !model_has(m, reference) ||
         VARIABLE[reference].role[m->data->kind] != OUTPUT || VARIABLE[reference].type != REAL)
         return 0;
-    if (what == AT_START || !model_is_discrete(reference)) return 1;
-    return what == MARCHED && reference != MEAN_CONTACT_FORCE && !model_of_friction(reference);
+    if (what == AT_START) return 1;
+    return !model_of_friction(reference) && (!model_is_discrete(reference) || (what == MARCHED && reference != MEAN_CONTACT_FORCE));
 }
 
 static int get_unknowns(model *m, int what, double values[VARIABLES]) {

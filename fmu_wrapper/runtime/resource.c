@@ -13,7 +13,7 @@
 #include <windows.h>
 #endif
 
-static const char MAGIC[8] = {'F', 'I', 'L', 'M', 'F', 'M', 'U', '4'};
+static const char MAGIC[8] = {'F', 'I', 'L', 'M', 'F', 'M', 'U', '5'};
 static const char NAME[] = "model.film";
 enum { LONGEST_PATH = 4096, LARGEST_FILE = 1 << 25, MOST_VARYING = 1 << 13, MOST_MODES = 20000 };
 

@@ -5,7 +5,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { MOST_EVENTS_A_STEP = 64 };
+enum { MOST_EVENTS_A_STEP = 64, MOST_PARTS = 256 /* of a path */ };
 
 static const double LONGEST = 0.002;     /* step, over the unit of time of the march */
 static const double OF_A_PERIOD = 0.003; /* a step, over the time in which the springs would turn the motion by 1 rad */
@@ -34,14 +34,18 @@ static void advance(film_sliding *sliding, grip now, double h, const double *fri
     film_springs_watch(&sliding->watch, s->cut, film_springs_touching(s), radius, s->radius, h);
     double impulse = s->mass * (before - s->v + s->push * h);
     sliding->impulse += impulse;
+    sliding->displacement += 0.5 * (before + s->v) * h;
     sliding->work += 0.5 * (before + s->v) * impulse;
 }
 
 /* Without friction one step is exact. */
+static double longest_step(const film_sliding *sliding, double slope, int32_t rows) {
+    if (sliding->springs.friction == 0.0 && sliding->springs.q == 0.0 && rows == 0) return INFINITY;
+    return fmin(LONGEST, OF_A_PERIOD / sqrt(fmax(slope, 1.0) / fmin(sliding->springs.mass, 1.0)));
+}
+
 static double steps_for(const film_sliding *sliding, grip now, double dt, int32_t rows) {
-    if (sliding->springs.friction == 0.0 && sliding->springs.q == 0.0 && rows == 0) return 1.0;
-    double rate = sqrt(fmax(now.slope, 1.0) / fmin(sliding->springs.mass, 1.0));
-    return ceil(dt / fmin(LONGEST, OF_A_PERIOD / rate));
+    return fmax(ceil(dt / longest_step(sliding, now.slope, rows)), 1.0);
 }
 
 /* Whether so many steps are still allowed. */
@@ -86,6 +90,52 @@ int film_slide(const film_curve *curve, const film_mesh *mesh, const film_state 
     }
     advance(sliding, grip_of(curve, to, state.xi, sliding), dt / count, friction, rows);
     return FILM_OK;
+}
+
+/* A cubic through values and slopes at both ends of a time, after a part of it. */
+static double between(double part, double time, double from, double slope, double to, double end_slope) {
+    double left = 1.0 - part;
+    return left * left * ((1.0 + 2.0 * part) * from + part * time * slope) + part * part * ((1.0 + 2.0 * left) * to - left * time * end_slope);
+}
+
+/* Its slope, times the time. */
+static double between_slope(double part, double time, double from, double slope, double to, double end_slope) {
+    double left = 1.0 - part;
+    return 6.0 * part * left * (to - from) + time * (left * (1.0 - 3.0 * part) * slope + part * (1.0 - 3.0 * left) * end_slope);
+}
+
+/* To the watch in steps that are not too short for it: its phases are those of some steps. */
+static void watch_along(film_sliding *sliding, double h, double longest) {
+    film_springs *s = &sliding->springs;
+    sliding->unwatched += h;
+    if (s->radius > 0.0 && !(sliding->unwatched >= 0.5 * longest)) return;
+    film_springs_watch(&sliding->watch, s->cut, film_springs_touching(s), sliding->watched, s->radius, sliding->unwatched);
+    sliding->unwatched = 0.0, sliding->watched = s->radius;
+}
+
+void film_slide_along(const film_curve *curve, const film_state *state, const film_slide_point *from, const film_slide_point *to,
+                      const double *friction, int32_t rows, film_sliding *sliding) {
+    film_springs *s = &sliding->springs;
+    film_state at = *state;
+    double dt = fmax(to->time - from->time, 0.0), moved = from->displacement, usual = longest_step(sliding, s->radius, rows);
+    double longest = at.branch == FILM_FREE ? INFINITY : fmax(usual, dt / MOST_PARTS);
+    at.xi = from->xi;
+    sliding->watch.events = 0, sliding->watch.passed = -sliding->unwatched;
+    for (double now = 0.0, next = 0.0; now == 0.0 || now < dt; now = next) {
+        next = fmin(now + longest, dt);
+        double part = dt > 0.0 ? next / dt : 1.0, xi = at.xi, before = moved, q = s->q, slower = from->rate - from->nu;
+        double rate = dt > 0.0 ? between_slope(part, dt, from->xi, from->rate, to->xi, to->rate) / dt : to->rate;
+        at.xi = between(part, dt, from->xi, from->rate, to->xi, to->rate);
+        at.force = film_force(curve, &at, at.xi, rate - slower - part * (to->rate - to->nu - slower)).force;
+        moved = between(part, dt, from->displacement, from->velocity, to->displacement, to->velocity);
+        s->v = dt > 0.0 ? between_slope(part, dt, from->displacement, from->velocity, to->displacement, to->velocity) / dt : to->velocity;
+        if (rows > 0) s->friction = film_friction_at(friction, rows, fabs(s->v));
+        grip there = grip_of(curve, &at, xi, sliding);
+        film_springs_move(s, moved - before, there.force, there.slope);
+        sliding->work += 0.5 * (q + s->q) * (moved - before);
+        watch_along(sliding, next - now, fmin(usual, LONGEST));
+        if (!(next > now)) break;
+    }
 }
 
 /* Beside a planned step of a structure, of which `time` passes. */

@@ -83,12 +83,10 @@ static double sum_of(const double *values, int32_t count) {
     return (sum[0] + sum[1]) + (sum[2] + sum[3]);
 }
 
-void film_springs_step(film_springs *state, double time, double force, double radius) {
+void film_springs_move(film_springs *state, double moved, double force, double radius) {
     widen(state, radius);
     int32_t touch = touching(state, radius), met = touching(state, state->radius);
     double top = reached(state, radius), all = touch * top - state->sums[touch];
-    double before = state->q, rise = state->rise * time, a_time = time / state->mass;
-    double moved = (state->v + 0.5 * time * state->push - a_time * (0.5 * before + rise / 6.0)) * time;
     double per_share = all > 0.0 ? state->friction * force / (state->stiffness * all) : 0.0;
     /* a spring that the contact has just reached moves with it for its part of the step, in which the depth grows evenly */
     double grown = fmax(top - reached(state, state->radius), 0.0);
@@ -107,10 +105,15 @@ void film_springs_step(film_springs *state, double time, double force, double ra
     }
     for (int32_t j = touch; j < met; j++) state->u[j] = 0.0;
     state->q = state->stiffness * sum_of(state->u, touch);
+    state->radius = radius;
+}
+
+void film_springs_step(film_springs *state, double time, double force, double radius) {
+    double before = state->q, rise = state->rise * time, a_time = time / state->mass;
+    film_springs_move(state, (state->v + 0.5 * time * state->push - a_time * (0.5 * before + rise / 6.0)) * time, force, radius);
     double change = state->q - before;
     state->v += time * state->push - a_time * (0.5 * (before + state->q) - (state->even ? (change - rise) / 12.0 : 0.0));
     state->rise = state->even && time > 0.0 ? change / time : 0.0;
-    state->radius = radius;
 }
 
 int32_t film_springs_touching(const film_springs *state) { return touching(state, state->radius); }

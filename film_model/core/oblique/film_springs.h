@@ -48,6 +48,9 @@ FILM_API double film_springs_power(const film_curve *curve);
  * order, with the rise of that force in the step before too. */
 FILM_API void film_springs_step(film_springs *state, double time, double force, double radius);
 
+/* The same of the springs alone, where another integrator owns v: the surfaces move evenly by `moved` past each other. */
+void film_springs_move(film_springs *state, double moved, double force, double radius);
+
 /* The phase after a step of a time, from the radius `before`, in which of the springs that touch at its end so many slipped as in
  * film_springs.cut. */
 FILM_API void film_springs_watch(film_watch *watch, int32_t cut, int32_t touch, double before, double radius, double time);

@@ -5,7 +5,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { MOST_EVENTS_A_STEP = 64, MOST_PARTS = 256 /* of a path */ };
+enum { MOST_EVENTS_A_STEP = 64, MOST_PARTS = 256, FEW_PARTS = 4 /* of a path */ };
 
 static const double LONGEST = 0.002;     /* step, over the unit of time of the march */
 static const double OF_A_PERIOD = 0.003; /* a step, over the time in which the springs would turn the motion by 1 rad */
@@ -104,11 +104,12 @@ static double between_slope(double part, double time, double from, double slope,
     return 6.0 * part * left * (to - from) + time * (left * (1.0 - 3.0 * part) * slope + part * (1.0 - 3.0 * left) * end_slope);
 }
 
-/* To the watch in steps that are not too short for it: its phases are those of some steps. */
-static void watch_along(film_sliding *sliding, double h, double longest) {
+/* To the watch in steps that are not too short for it: its phases are those of some steps. A path of few parts is watched as a whole,
+ * because integrators of low order do not meet the slopes at its ends, so that a cubic through them speeds up and slows down. */
+static void watch_along(film_sliding *sliding, double h, double longest, double left) {
     film_springs *s = &sliding->springs;
     sliding->unwatched += h;
-    if (s->radius > 0.0 && !(sliding->unwatched >= 0.5 * longest)) return;
+    if (s->radius > 0.0 && (left > 0.0 || !(sliding->unwatched >= 0.5 * longest))) return;
     film_springs_watch(&sliding->watch, s->cut, film_springs_touching(s), sliding->watched, s->radius, sliding->unwatched);
     sliding->unwatched = 0.0, sliding->watched = s->radius;
 }
@@ -133,7 +134,7 @@ void film_slide_along(const film_curve *curve, const film_state *state, const fi
         grip there = grip_of(curve, &at, xi, sliding);
         film_springs_move(s, moved - before, there.force, there.slope);
         sliding->work += 0.5 * (q + s->q) * (moved - before);
-        watch_along(sliding, next - now, fmin(usual, LONGEST));
+        watch_along(sliding, next - now, fmin(usual, LONGEST), dt < FEW_PARTS * usual ? dt - next : 0.0);
         if (!(next > now)) break;
     }
 }

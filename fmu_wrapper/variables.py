@@ -94,12 +94,10 @@ for _row in _rows("enumerations.csv"):
 
 PHASES, EVENT_KINDS, SLIDINGS = ITEMS["Phase"], ITEMS["EventKind"], ITEMS["Sliding"]
 
-STATES = (
-    *("indentation", "impactor_velocity", "target_displacement"),
-    *("sliding_displacement", "tangential_velocity", "spin", "tangential_impulse"),
-)
-"""Continuous states of an impact with friction, in the order of the state vector; without it the first three. The
-contact has none."""
+NORMAL_STATES = ("indentation", "impactor_velocity", "target_displacement")
+STATES = (*NORMAL_STATES, "sliding_displacement", "tangential_velocity", "spin", "tangential_impulse")
+"""Continuous states of an impact, in the order of the state vector: without friction, and with it. The contact has
+none."""
 
 EVENT_TIMES = {variable.name: variable.event for variable in VARIABLES if variable.event is not None}
 """Outputs that are times of events, and the events, in the order of events at one time."""

@@ -146,10 +146,10 @@ int main(int count, char **path) {
             for (int interface = COSIMULATION; interface < INTERFACES; interface++) {
                 int own = beside(&r[k]);
                 if ((version == 2 || !impact) && (interface == WITH_EVENTS || interface == EARLY_RETURN)) continue;
-                if (own && interface == EXCHANGE) continue;
-                if (own)
+                if (!exchanges(&r[k]) && interface == EXCHANGE) continue;
+                if (own && interface != EXCHANGE)
                     for (int i = 0; i < 10; i++) CHECK(the_same_at_any_step, &r[k], version, interface);
-                else if (impact && interface != EXCHANGE)
+                else if (impact && !own && interface != EXCHANGE)
                     for (int i = 0; i < 3; i++) CHECK(at_any_step, &r[k], version, interface);
                 if (!impact)
                     for (int i = 0; i < 10; i++) CHECK(contact_at_any_step, &r[k], version, interface);

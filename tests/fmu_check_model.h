@@ -95,7 +95,7 @@ static void cycles(const resources *r) {
     for (int k = 0; k < CYCLES; k++) {
         int version = 2 + k % 2, interface = version == 3 ? k / 2 % INTERFACES : k / 2 % 2 ? EXCHANGE : COSIMULATION;
         if (r->data.kind == CONTACT && interface != EXCHANGE) interface = COSIMULATION;
-        if (beside(r) && interface == EXCHANGE) interface = COSIMULATION;
+        if (!exchanges(r) && interface == EXCHANGE) interface = COSIMULATION;
         unit made = started(version, interface, r, NULL, 0.0), *u = &made;
         double values[VARIABLES];
         void *saved = NULL;
@@ -148,27 +148,27 @@ static void cycles(const resources *r) {
 
 /* ---------------------------------------------------------------- model exchange */
 
-static void rates_at(unit *u, double time, const double x[STATES], double rates[STATES]) {
-    HOLD(set_time(u, time) == GOOD && set_states(u, x, STATES) == GOOD && get_rates(u, rates, STATES) == GOOD);
+static void rates_at(unit *u, double time, const double x[NORMAL_STATES], double rates[NORMAL_STATES]) {
+    HOLD(set_time(u, time) == GOOD && set_states(u, x, NORMAL_STATES) == GOOD && get_rates(u, rates, NORMAL_STATES) == GOOD);
 }
 
 /* One Runge-Kutta step of size h from x to y. */
-static void runge_kutta(unit *u, double time, const double x[STATES], double h, double y[STATES]) {
-    double k[4][STATES], z[STATES];
+static void runge_kutta(unit *u, double time, const double x[NORMAL_STATES], double h, double y[NORMAL_STATES]) {
+    double k[4][NORMAL_STATES], z[NORMAL_STATES];
     rates_at(u, time, x, k[0]);
-    for (int i = 0; i < STATES; i++) z[i] = x[i] + 0.5 * h * k[0][i];
+    for (int i = 0; i < NORMAL_STATES; i++) z[i] = x[i] + 0.5 * h * k[0][i];
     rates_at(u, time + 0.5 * h, z, k[1]);
-    for (int i = 0; i < STATES; i++) z[i] = x[i] + 0.5 * h * k[1][i];
+    for (int i = 0; i < NORMAL_STATES; i++) z[i] = x[i] + 0.5 * h * k[1][i];
     rates_at(u, time + 0.5 * h, z, k[2]);
-    for (int i = 0; i < STATES; i++) z[i] = x[i] + h * k[2][i];
+    for (int i = 0; i < NORMAL_STATES; i++) z[i] = x[i] + h * k[2][i];
     rates_at(u, time + h, z, k[3]);
-    for (int i = 0; i < STATES; i++) y[i] = x[i] + h / 6.0 * (k[0][i] + 2.0 * k[1][i] + 2.0 * k[2][i] + k[3][i]);
+    for (int i = 0; i < NORMAL_STATES; i++) y[i] = x[i] + h / 6.0 * (k[0][i] + 2.0 * k[1][i] + 2.0 * k[2][i] + k[3][i]);
 }
 
-static int due(unit *u, double time, const double x[STATES]) {
+static int due(unit *u, double time, const double x[NORMAL_STATES]) {
     double z[FILM_INDICATORS];
     int any = 0;
-    HOLD(set_time(u, time) == GOOD && set_states(u, x, STATES) == GOOD);
+    HOLD(set_time(u, time) == GOOD && set_states(u, x, NORMAL_STATES) == GOOD);
     HOLD(get_indicators(u, z, FILM_INDICATORS) == GOOD);
     for (int k = 0; k < FILM_INDICATORS; k++) {
         HOLD(isfinite(z[k]));
@@ -193,15 +193,15 @@ static void exchange(const resources *r, int version) {
     march m = core_march(&lined);
     forward(&lined, m.end, NULL);
     unit made = started(version, EXCHANGE, r, &s, 0.0), *u = &made;
-    double x[STATES], nominals[STATES];
+    double x[NORMAL_STATES], nominals[NORMAL_STATES];
     after_event(u);
-    HOLD(get_nominals(u, nominals, STATES) == GOOD);
-    for (int k = 0; k < STATES; k++) HOLD(nominals[k] > 0.0 && isfinite(nominals[k]));
-    HOLD(get_states(u, x, STATES) == GOOD);
+    HOLD(get_nominals(u, nominals, NORMAL_STATES) == GOOD);
+    for (int k = 0; k < NORMAL_STATES; k++) HOLD(nominals[k] > 0.0 && isfinite(nominals[k]));
+    HOLD(get_states(u, x, NORMAL_STATES) == GOOD);
     double h = m.end / 4000.0, time = 0.0;
     int events = 0, damped = r->data.curve.stage[0].damped;
     while (time < m.end) {
-        double y[STATES];
+        double y[NORMAL_STATES];
         double step = fmin(h, m.end - time);
         if (damped && time >= m.touch) step = fmin(step, fmax(0.02 * (time - m.touch), 1e-6 * h)); /* the force may begin like a root */
         runge_kutta(u, time, x, step, y);
@@ -218,19 +218,19 @@ static void exchange(const resources *r, int version) {
             time += high;
             memcpy(x, y, sizeof x);
             handle(u);
-            HOLD(get_states(u, y, STATES) == GOOD && memcmp(x, y, sizeof x) == 0);
+            HOLD(get_states(u, y, NORMAL_STATES) == GOOD && memcmp(x, y, sizeof x) == 0);
             after_event(u);
             HOLD(++events < 100);
         } else {
             time += step;
             memcpy(x, y, sizeof x);
-            HOLD(set_time(u, time) == GOOD && set_states(u, x, STATES) == GOOD);
+            HOLD(set_time(u, time) == GOOD && set_states(u, x, NORMAL_STATES) == GOOD);
         }
     }
     for (unsigned k = PHASE; k <= LAST_EVENT; k++) HOLD(get(u, k) == get(&lined, k));
     for (unsigned k = 0; k <= PERMANENT_INDENTATION; k++) {
         if (VARIABLE[k].type != REAL || VARIABLE[k].role[IMPACT] != OUTPUT) continue;
-        if (k >= KINETIC_ENERGY && k <= TIME_OF_LAST_SLIDING_EVENT) continue; /* of the steps of Co-Simulation */
+        if (k >= KINETIC_ENERGY && k <= EXTERNAL_WORK) continue; /* of the steps of Co-Simulation */
         int motion = k < PHASE && k != TIME;
         double scale = k == MAXIMUM_INDENTATION || k == PERMANENT_INDENTATION ? m.largest[INDENTATION]
                        : k == REBOUND_VELOCITY                                ? m.largest[IMPACTOR_VELOCITY]
@@ -252,20 +252,20 @@ static const unsigned UNKNOWN[] = {INDENTATION, RELATIVE_VELOCITY, IMPACTOR_VELO
 static const unsigned KNOWN[] = {INDENTATION, IMPACTOR_VELOCITY, TARGET_DISPLACEMENT, EXTERNAL_FORCE, SUPPORT_VELOCITY};
 enum { UNKNOWNS = 8, KNOWNS = 5 };
 
-static void move_known(unit *u, unsigned known, double by, const double x[STATES], double input) {
-    double y[STATES];
+static void move_known(unit *u, unsigned known, double by, const double x[NORMAL_STATES], double input) {
+    double y[NORMAL_STATES];
     memcpy(y, x, sizeof y);
-    for (unsigned k = 0; k < STATES; k++)
+    for (unsigned k = 0; k < NORMAL_STATES; k++)
         if (KNOWN[k] == known) y[k] += by;
     if (known == EXTERNAL_FORCE || known == SUPPORT_VELOCITY) HOLD(set(u, known, input + by) == GOOD);
-    HOLD(set_states(u, y, STATES) == GOOD);
+    HOLD(set_states(u, y, NORMAL_STATES) == GOOD);
 }
 
 static void derivatives_here(unit *u) {
-    double x[STATES], full[UNKNOWNS][KNOWNS], size[UNKNOWNS] = {0.0};
+    double x[NORMAL_STATES], full[UNKNOWNS][KNOWNS], size[UNKNOWNS] = {0.0};
     const model_memory *now = &inside(u)->memory;
     const double typical[KNOWNS] = {now->length, now->velocity, now->length, now->force, now->velocity};
-    HOLD(get_states(u, x, STATES) == GOOD);
+    HOLD(get_states(u, x, NORMAL_STATES) == GOOD);
     for (unsigned k = 0; k < KNOWNS; k++) {
         double one = 1.0;
         for (unsigned i = 0; i < UNKNOWNS; i++) {
@@ -312,10 +312,10 @@ static void derivatives(const resources *r, int version) {
     march m = core_march(&lined);
     dispose(&lined);
     unit made = started(version, EXCHANGE, r, &s, 0.0), *u = &made;
-    double x[STATES], time = 0.0, h = m.end / 400.0;
-    HOLD(get_states(u, x, STATES) == GOOD);
+    double x[NORMAL_STATES], time = 0.0, h = m.end / 400.0;
+    HOLD(get_states(u, x, NORMAL_STATES) == GOOD);
     for (int k = 0; k < 390; k++) {
-        double y[STATES];
+        double y[NORMAL_STATES];
         runge_kutta(u, time, x, h, y);
         time += h;
         memcpy(x, y, sizeof x);

@@ -23,14 +23,16 @@ static void random_step(unit *u, double typical, double values[VARIABLES]) {
             HOLD(set(u, RELATIVE_VELOCITY, uniform(-1.0, 1.0)) == GOOD);
         } else {
             double rates[STATES];
-            HOLD(get_states(u, x, STATES) == GOOD && get_rates(u, rates, STATES) == GOOD);
-            for (int k = 0; k < STATES; k++) x[k] += 0.02 * size * rates[k];
-            HOLD(set_states(u, x, STATES) == GOOD);
+            size_t count = (size_t)model_state_count(data);
+            HOLD(get_states(u, x, count) == GOOD && get_rates(u, rates, count) == GOOD);
+            for (size_t k = 0; k < count; k++) x[k] += 0.02 * size * rates[k];
+            HOLD(set_states(u, x, count) == GOOD);
         }
         u->now += 0.02 * size;
         HOLD(set_time(u, u->now) == GOOD);
         HOLD(get_indicators(u, z, FILM_INDICATORS) == GOOD);
         for (int k = 0; k < FILM_INDICATORS; k++) due |= z[k] <= 0.0;
+        HOLD(completed_step(u) == GOOD);
         if (due) handle(u);
     } else {
         if (data->kind == CONTACT) {

@@ -126,11 +126,13 @@ static void close_resources(resources *r, int count) {
 
 static inline int relaxing(const resources *r) { return r->data.relaxation.tolerance > 0.0; }
 
-/* On a target that vibrates or has a static stiffness, of viscoelastic bodies, or with friction: for Co-Simulation only, and not the march of
- * the law's curve alone. */
-static inline int beside(const resources *r) {
-    return r->data.modes.count > 0 || relaxing(r) || r->data.available[TARGET_STIFFNESS] || r->data.available[TORQUE];
+/* For Model Exchange too: not on a target that vibrates or has a static stiffness, nor of viscoelastic bodies. */
+static inline int exchanges(const resources *r) {
+    return r->data.modes.count == 0 && !relaxing(r) && !r->data.available[TARGET_STIFFNESS];
 }
+
+/* Those, or with friction: not the march of the law's curve alone. */
+static inline int beside(const resources *r) { return !exchanges(r) || r->data.available[TORQUE]; }
 
 /* ---------------------------------------------------------------- one interface to both versions */
 
@@ -202,8 +204,10 @@ static inline double get(unit *u, unsigned reference) {
 }
 
 static inline int has(const resources *r, unsigned reference) {
-    if (beside(r) && VARIABLE[reference].changes == IN_MODEL_EXCHANGE) return 0;
-    if (reference >= SLIDING_VELOCITY && reference <= TIME_OF_LAST_SLIDING_EVENT && !r->data.available[TORQUE]) return 0;
+    if (!exchanges(r) && VARIABLE[reference].changes == IN_MODEL_EXCHANGE) return 0;
+    int rubs = reference == RATE_OF_TANGENTIAL_VELOCITY || reference == RATE_OF_SPIN;
+    rubs |= reference >= SLIDING_DISPLACEMENT && reference <= TIME_OF_LAST_SLIDING_EVENT;
+    if (rubs && !r->data.available[TORQUE]) return 0;
     return VARIABLE[reference].role[r->data.kind] != ABSENT && (reference >= SETTABLE || r->data.available[reference]);
 }
 

@@ -128,7 +128,7 @@ static void damaged_file(const char *scratch, const resources *r, int kind) {
     free(data);
     snprintf(other.path, sizeof other.path, "%s", scratch);
     snprintf(other.uri, sizeof other.uri, "file://%s", scratch);
-    unit made = make(whole(2, 3), whole(0, 1) || beside(&other) ? COSIMULATION : EXCHANGE, &other);
+    unit made = make(whole(2, 3), whole(0, 1) || !exchanges(&other) ? COSIMULATION : EXCHANGE, &other);
     snprintf(where, sizeof where, "a damaged file, kind %d, of %.200s", kind, r->path);
     if (!made.c) {
         HOLD(strstr(last_message, "model.film") && strncmp(last_message, "fmi", 3) == 0);

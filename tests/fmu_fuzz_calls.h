@@ -4,7 +4,7 @@
 
 #include "fmu_driver.h"
 
-enum { UNITS = 6, SAVED = 8, LONGEST = 6, MOST_FOLDERS = 40 };
+enum { UNITS = 6, SAVED = 8, LONGEST = 8, MOST_FOLDERS = 40 };
 
 typedef struct {
     unit u;
@@ -283,7 +283,7 @@ static void call_state(player *p) {
 
 static void call_exchange(player *p) {
     double x[LONGEST], *at = likely(98) ? x : NULL;
-    size_t count = p->u.from->data.kind == IMPACT ? STATES : 0, number = 0;
+    size_t count = (size_t)model_state_count(&p->u.from->data), number = 0;
     int status, which = whole(0, 7), sane = likely(90);
     if (which == 4) count = FILM_INDICATORS;
     if (likely(3)) count = (size_t)whole(0, LONGEST);
@@ -292,7 +292,7 @@ static void call_exchange(player *p) {
     switch (which) {
     case 0:
     case 1:
-        for (int k = 0; k < LONGEST; k++) x[k] = sane && k < STATES ? m->states[k] + p->u.from->data.nominal[k] * uniform(-0.3, 0.3) : odd();
+        for (int k = 0; k < LONGEST; k++) x[k] = sane && k < (int)count && k < STATES ? m->states[k] + p->u.from->data.nominal[k] * uniform(-0.3, 0.3) : odd();
         EITHER_CALL(p, fmi2SetContinuousStates, (p->u.c, at, count), fmi3SetContinuousStates, (p->u.c, at, count));
         return;
     case 2: EITHER_CALL(p, fmi2GetContinuousStates, (p->u.c, at, count), fmi3GetContinuousStates, (p->u.c, at, count)); break;

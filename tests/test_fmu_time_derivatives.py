@@ -129,7 +129,8 @@ def test_two_bodies_under_a_plain_master_couple_to_second_order(made):
 @pytest.mark.parametrize("law", ["hertz", "tsuji"])
 def test_rates_of_outputs_are_their_differences(made, version, law):
     on = replace(scene(law, "plate"), effects=fm.Effects(gravity=False))
-    names = [v.name for v in VARIABLES if v.variability == "continuous" and v.causality.get("impact") == "output"]
+    outputs = [v for v in VARIABLES if v.variability == "continuous" and v.causality.get("impact") == "output"]
+    names = [v.name for v in outputs if not v.group]
     duration = fm.simulate(on).duration
     with opened(made(on, version)) as fmu, started(fmu, False, FINE) as slave:
         h = 1e-4 * duration

@@ -187,7 +187,7 @@ def exchanged(
             relative_tolerance=tolerance,
             start_values={**starts, **inputs},
             input=signals,
-            output=RECORDED,
+            output=_recorded(fmu),
             model_description=fmu.description,
             logger=lambda *arguments: fmu.log(*arguments),
         )
@@ -197,7 +197,7 @@ def exchanged(
         raise
     finally:
         _restore_logger()
-    rows = [{name: float(row[name]) for name in ("time", *RECORDED)} for row in result]
+    rows = [{name: float(row[name]) for name in ("time", *_recorded(fmu))} for row in result]
     events = _events_at_start(rows[0])
     for before, after in itertools.pairwise(rows):
         times = _events_between(before, after, before["time"])

@@ -43,7 +43,8 @@ static void contact_at_any_step(const resources *r, int version, int interface) 
                     handle(u);
                     after_event(u);
                 }
-                HOLD(completed_step(u) == GOOD);
+                int asked;
+                HOLD(completed_step(u, &asked) == GOOD);
             } else {
                 if (k > 0) forward(u, lasts / (SAMPLES * parts), NULL);
                 HOLD(set(u, INDENTATION, depth) == GOOD && set(u, RELATIVE_VELOCITY, rate * peak / lasts) == GOOD);

@@ -230,7 +230,7 @@ static void exchange(const resources *r, int version) {
     for (unsigned k = PHASE; k <= LAST_EVENT; k++) HOLD(get(u, k) == get(&lined, k));
     for (unsigned k = 0; k <= PERMANENT_INDENTATION; k++) {
         if (VARIABLE[k].type != REAL || VARIABLE[k].role[IMPACT] != OUTPUT) continue;
-        if (k >= KINETIC_ENERGY && k <= EXTERNAL_WORK) continue; /* of the steps of Co-Simulation */
+        if (k >= KINETIC_ENERGY && k <= TIME_OF_LAST_SLIDING_EVENT) continue; /* of the steps of Co-Simulation */
         int motion = k < PHASE && k != TIME;
         double scale = k == MAXIMUM_INDENTATION || k == PERMANENT_INDENTATION ? m.largest[INDENTATION]
                        : k == REBOUND_VELOCITY                                ? m.largest[IMPACTOR_VELOCITY]

@@ -32,8 +32,9 @@ static void random_step(unit *u, double typical, double values[VARIABLES]) {
         HOLD(set_time(u, u->now) == GOOD);
         HOLD(get_indicators(u, z, FILM_INDICATORS) == GOOD);
         for (int k = 0; k < FILM_INDICATORS; k++) due |= z[k] <= 0.0;
-        HOLD(completed_step(u) == GOOD);
-        if (due) handle(u);
+        int asked;
+        HOLD(completed_step(u, &asked) == GOOD);
+        if (due || asked) handle(u);
     } else {
         if (data->kind == CONTACT) {
             HOLD(set(u, INDENTATION, data->length_scale * uniform(-1.0, 3.0)) == GOOD);

@@ -276,12 +276,15 @@ static inline int deserialize(unit *u, const unsigned char *bytes, size_t size, 
                   fmi3DeserializeFMUState(u->c, bytes, size, saved));
 }
 
-static inline int completed_step(unit *u) {
+/* *event_mode: whether the FMU asks for Event Mode; only with friction, for a new phase of sliding. */
+static inline int completed_step(unit *u, int *event_mode) {
     fmi2Boolean event = fmi2True, end = fmi2True;
     fmi3Boolean event_3 = fmi3True, end_3 = fmi3True;
     int status = EITHER(fmi2CompletedIntegratorStep(u->c, fmi2True, &event, &end),
                         fmi3CompletedIntegratorStep(u->c, fmi3True, &event_3, &end_3));
-    HOLD(u->version == 2 ? !event && !end : !event_3 && !end_3);
+    HOLD(u->version == 2 ? !end : !end_3);
+    *event_mode = u->version == 2 ? event : event_3;
+    HOLD(!*event_mode || u->from->data.available[TORQUE]);
     return status;
 }
 

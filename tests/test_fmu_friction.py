@@ -12,7 +12,7 @@ import fmu_wrapper
 from fmu_wrapper.instance import opened, started
 from fmu_wrapper.variables import OF_FRICTION, SLIDINGS, reference
 
-OUTPUTS, EVENTS = OF_FRICTION[6:12], OF_FRICTION[12:]
+OUTPUTS, EVENTS = OF_FRICTION[7:13], OF_FRICTION[13:17]
 TABLE = [["0 m/s", 0.3], ["20 mm/s", 0.25], ["0.1 m/s", 0.1]]
 BEAM = fm.Beam("bearing steel", length="60 mm", width="20 mm", thickness="8 mm", position="25 mm")
 
@@ -37,8 +37,10 @@ def test_outputs_are_those_of_the_component_under_changing_inputs(made, version,
     component, begun = component_for(path, served), []
     with opened(path) as fmu, started(fmu, False, {}) as slave:
         names = {variable.name for variable in fmu.description.modelVariables}
-        assert set(OF_FRICTION) - names == ({"friction"} if table else set())
-        assert fmu.description.modelExchange is None
+        lacking = {"friction"} if table else set()
+        lacking |= {"rate_of_tangential_velocity", "rate_of_spin"} if law == "on a beam" else set()
+        assert set(OF_FRICTION) - names == lacking
+        assert (fmu.description.modelExchange is None) == (law == "on a beam")
         for n in range(60):
             inputs = {"tangential_force": math.sin(n / 5.0), "torque": 0.01 * math.cos(n / 4.0)}
             inputs["tangential_support_velocity"] = 0.01 * (n % 3)
@@ -71,8 +73,6 @@ def test_a_dataset_has_the_motion_along_the_surface(made):
             assert float(ds[name][k]) == pytest.approx(getattr(component.sliding, name), abs=1e-9 * size), name
     assert ds.friction_force.attrs["units"] == "N" and float(ds.friction_force.max()) > 1.0
     assert fd.validate(ds) == []
-    with pytest.raises(ValueError, match="it has friction, so there is no mode 'exchange': mode 'steps'"):
-        fmu_wrapper.run(made(served), mode="exchange")
 
 
 def test_parameters_are_those_of_other_impacts(made):

@@ -172,7 +172,7 @@ def _interfaces(root: ET.Element, data: Data, version: FmiVersion, identifier: s
     kind = KINDS[data.kind]
     damped = bool(data.curve.stage[0].damped)
     # for the maximum force, which no event reports, and for the springs of friction
-    needs_completed_step = kind == "contact" and damped or slides(data)
+    needs_completed_step = (kind == "contact" and damped) or slides(data)
     variable = _true("canHandleVariableCommunicationStepSize")
     rates = {"maxOutputDerivativeOrder": "1"} if kind == "impact" and has_exchange(data) else {}
     if version == 2:

@@ -267,6 +267,12 @@ def test_zig_compiles_hardly_more_than_our_sources(name, tmp_path, monkeypatch):
 
 
 def test_lists_of_parameters_are_as_long_as_the_arrays_of_the_runtime():
-    lists = {"SCALINGS": SCALING, "DAMPINGS": DAMPING, "SHAPE_POWERS": SHAPED, "STATES": STATES, "NORMAL_STATES": NORMAL_STATES}
+    lists = {
+        "SCALINGS": SCALING,
+        "DAMPINGS": DAMPING,
+        "SHAPE_POWERS": SHAPED,
+        "STATES": STATES,
+        "NORMAL_STATES": NORMAL_STATES,
+    }
     assert {name: MODEL.numbers[name] for name in lists} == {name: len(names) for name, names in lists.items()}
     assert len(Data().start) == settable()

@@ -28,7 +28,9 @@ PATHS = {
 }
 """Parameters of the FMU and the same numbers in a scene."""
 
-OUTPUTS = tuple(v.name for v in VARIABLES if v.causality.get("impact") == "output" and v.variability == "continuous" and not v.group)
+OUTPUTS = tuple(
+    v.name for v in VARIABLES if v.causality.get("impact") == "output" and v.variability == "continuous" and not v.group
+)
 RATES = tuple(f"rate_of_{state}" for state in STATES)
 
 

@@ -1,8 +1,11 @@
 """FMUs with friction: their motion along the surface is the component's; parameters, inputs and saved states."""
 
 import math
+from ctypes import c_double
 
+import numpy as np
 import pytest
+from fmpy import simulate_fmu
 from fmpy.fmi1 import FMICallException
 from test_stepped_friction import scene
 
@@ -10,16 +13,16 @@ import film_datasets as fd
 import film_model as fm
 import fmu_wrapper
 from fmu_wrapper.instance import opened, started
-from fmu_wrapper.variables import OF_FRICTION, SLIDINGS, reference
+from fmu_wrapper.variables import OF_FRICTION, SLIDINGS, STATES, reference
 
 OUTPUTS, EVENTS = OF_FRICTION[7:13], OF_FRICTION[13:17]
 TABLE = [["0 m/s", 0.3], ["20 mm/s", 0.25], ["0.1 m/s", 0.1]]
 BEAM = fm.Beam("bearing steel", length="60 mm", width="20 mm", thickness="8 mm", position="25 mm")
 
 
-def on(law="hertz", target=None, **changes):
-    given = {"restitution": 0.8} if law == "tsuji" else {}
-    return fmu_wrapper.served(scene(law, 0.7, target=target, **given).replace({"impactor.spin": "2 rad/s", **changes}))
+def on(law="hertz", target=None, psi=0.7, **changes):
+    given = {"restitution": 0.8} if law in ("tsuji", "hunt-crossley") else {}
+    return fmu_wrapper.served(scene(law, psi, target=target, **given).replace({"impactor.spin": "2 rad/s", **changes}))
 
 
 def component_for(path, served):
@@ -120,6 +123,175 @@ def test_a_saved_state_has_friction_too(made):
         slave.restore(saved)
         slave.step(4 * h, 8 * h)
         assert slave.get(OUTPUTS) == first
+
+
+# ---------------------------------------------------------------- Model Exchange
+
+
+def errors(path, served, steps, solver="CVode", **inputs):
+    """Of FMPy in so many steps a contact, over the largest value in the component: of the outputs, and the phases."""
+    h = fm.simulate(served).duration / steps
+    component, worst, largest, begun = component_for(path, served), dict.fromkeys(OUTPUTS, 0.0), {}, []
+    kinds = np.dtype([("time", float), *((name, float) for name in inputs)])
+    signals = np.array([(t, *inputs.values()) for t in (0.0, 1.0)], kinds) if inputs else None
+    rows = simulate_fmu(
+        str(path),
+        fmi_type="ModelExchange",
+        solver=solver,
+        step_size=h if solver == "Euler" else None,
+        output_interval=h,
+        stop_time=1.2 * steps * h,
+        relative_tolerance=1e-8,
+        record_events=False,
+        start_values=inputs,
+        input=signals,
+        output=(*OUTPUTS, *EVENTS),
+    )
+    for row in rows:
+        begun += component.step(max(row["time"] - component.time, 0.0), **inputs).sliding
+        for name, value in zip(OUTPUTS, component.sliding, strict=False):
+            worst[name] = max(worst[name], abs(row[name] - value))
+            largest[name] = max(largest.get(name, 0.0), abs(value))
+    last = {name: rows[name][-1] for name in EVENTS}
+    return max(worst[name] / largest[name] for name in OUTPUTS), last, begun
+
+
+@pytest.mark.parametrize("version", [2, 3])
+@pytest.mark.parametrize("psi", [0.3, 2.0, 8.0])
+@pytest.mark.parametrize("law", ["hertz", "elastoplastic", "thornton", "tsuji", "hunt-crossley"])
+def test_model_exchange_slides_as_the_component_does(made, law, psi, version):
+    """Impacts that stick first, slide first and slide throughout."""
+    served = on(law, psi=psi)
+    worst, last, begun = errors(made(served, version), served, 20)
+    assert worst < 3e-5
+    assert list(SLIDINGS)[int(last["last_sliding_event"])] == begun[-1][1] and last["sliding"] == 0
+    if law == "hertz":
+        assert last["sliding_event_count"] == len(begun)
+        assert last["time_of_last_sliding_event"] == pytest.approx(begun[-1][0], rel=1e-2)
+
+
+def test_model_exchange_follows_inputs(made):
+    served = on(psi=2.0, **{"contact.friction": 0.35})
+    inputs = {"tangential_force": 3.0, "torque": -0.05, "tangential_support_velocity": 0.02, "support_velocity": 0.05}
+    worst, *_ = errors(made(served), served, 50, **inputs)
+    assert worst < 3e-5
+
+
+def test_a_table_of_friction_in_model_exchange(made):
+    """Coefficients that change with the sliding velocity have errors of the order of the component's steps."""
+    served = on(psi=2.0, **{"contact.friction": TABLE})
+    assert errors(made(served), served, 50)[0] < 1e-3
+
+
+def test_friction_can_change_in_event_mode(made):
+    served = on(psi=8.0)
+    h = fm.simulate(served).duration / 500
+    with opened(made(served)) as fmu, started(fmu, False, {}, True) as slave:
+        time, _ = follow(slave, h, 150)
+        before = slave.get(("friction_force", "contact_force"))
+        assert before["friction_force"] == pytest.approx(0.2 * before["contact_force"], rel=1e-12)
+        slave.instance.enterEventMode()
+        slave.set("friction", 0.1)
+        slave.handle()
+        assert slave.get(("friction_force",))["friction_force"] == pytest.approx(0.1 * before["contact_force"])
+        follow(slave, h, 150, time)
+        after = slave.get(("friction_force", "contact_force"))
+        assert after["friction_force"] == pytest.approx(0.1 * after["contact_force"], rel=1e-12)
+
+
+def test_errors_of_model_exchange_fall_with_the_steps(made):
+    """The numbers of docs/fmus.md: the largest error of all outputs and three regimes, over their largest values."""
+    paths = {psi: (made(on(psi=psi)), on(psi=psi)) for psi in (0.3, 2.0, 8.0)}
+
+    def worst(steps, solver="CVode"):
+        return max(errors(path, served, steps, solver)[0] for path, served in paths.values())
+
+    assert worst(5) < 5e-3
+    assert worst(10) < 5e-4
+    assert worst(20) < 3e-5
+    assert worst(50) < 2e-5
+    slow, fast = worst(1000, "Euler"), worst(4000, "Euler")
+    assert fast < 0.01 and 3.0 < slow / fast < 5.0
+
+
+def follow(slave, h, count, time=0.0):
+    """So many steps of Heun's method; the time and the states after them."""
+    instance, n = slave.instance, len(STATES)
+    x, rates, ahead = (c_double * n)(), (c_double * n)(), (c_double * n)()
+    derivatives = instance.getDerivatives if slave.fmu.version == 2 else instance.getContinuousStateDerivatives
+    instance.getContinuousStates(x, n)
+    for _ in range(count):
+        derivatives(rates, n)
+        instance.setTime(time + h)
+        instance.setContinuousStates((c_double * n)(*(a + h * b for a, b in zip(x, rates, strict=True))), n)
+        derivatives(ahead, n)
+        x = (c_double * n)(*(a + 0.5 * h * (b + c) for a, b, c in zip(x, rates, ahead, strict=True)))
+        time += h
+        instance.setContinuousStates(x, n)
+        asked, _ = instance.completedIntegratorStep()
+        if asked or min(slave.indicators(5)) <= 0.0:
+            before = slave.get(EVENTS)
+            instance.enterEventMode()
+            assert slave.get(EVENTS) == before  # discrete outputs change in Event Mode only
+            slave.handle()
+    return time, x
+
+
+@pytest.mark.parametrize("version", [2, 3])
+def test_a_step_that_is_not_accepted_leaves_the_springs(made, version):
+    served = on(psi=2.0)
+    h, n = fm.simulate(served).duration / 500, len(STATES)
+    with opened(made(served, version)) as fmu, started(fmu, False, {}, True) as slave:
+        time, x = follow(slave, h, 150)
+        saved, now = slave.save(), slave.get(OUTPUTS)
+        assert now["friction_force"] > 1.0
+        for far in (1.1, 0.5):
+            slave.instance.setTime(time + 9 * h)
+            slave.instance.setContinuousStates((c_double * n)(*(far * value for value in x)), n)
+            assert slave.get(OUTPUTS) != now
+        slave.instance.setTime(time)
+        slave.instance.setContinuousStates(x, n)
+        assert slave.get(OUTPUTS) == now
+        follow(slave, h, 200, time)
+        later = slave.get(OUTPUTS)
+        slave.restore(saved)
+        follow(slave, h, 200, time)
+        assert slave.get(OUTPUTS) == later != now
+
+
+@pytest.mark.parametrize("exchange", [True, False])
+@pytest.mark.parametrize("part", [0.1, 0.3, 0.6, 0.9])
+def test_derivatives_are_differences_where_what_slips_slips_on(made, exchange, part):
+    """By the states, of the motion a moment ahead; rates of outputs in time are those of the next step."""
+    served = on(psi=2.0)
+    duration = fm.simulate(served).duration
+    h = duration / 2000
+    with opened(made(served)) as fmu, started(fmu, False, {}, exchange) as slave:
+
+        def partial(of, by):
+            return slave.instance.getDirectionalDerivative([reference(of)], [reference(by)], [1.0])[0]
+
+        if exchange:
+            time, x = follow(slave, h, int(2000 * part))
+            mass = fmu.data.start[reference("mass")]
+            assert partial("rate_of_tangential_velocity", "tangential_force") == pytest.approx(1.0 / mass, rel=1e-12)
+            assert partial("sliding_velocity", "spin") == pytest.approx(0.01, rel=1e-12)
+            assert partial("spin", "spin") == 1.0
+        else:
+            slave.step(0.0, part * duration)
+        rates = {
+            "indentation": slave.get(("relative_velocity",))["relative_velocity"],
+            "impactor_velocity": slave.get(("impactor_acceleration",))["impactor_acceleration"],
+            "sliding_displacement": slave.get(("sliding_velocity",))["sliding_velocity"],
+        }
+        slope = sum(partial("friction_force", name) * rate for name, rate in rates.items())
+        before = slave.get(("friction_force",))["friction_force"]
+        if exchange:
+            follow(slave, h / 10, 10, time)
+        else:
+            slave.step(part * duration, h)
+        after = slave.get(("friction_force",))["friction_force"]
+        assert slope == pytest.approx((after - before) / h, rel=2e-3)
 
 
 def test_derivatives_by_parameters_leave_friction_out(made):

@@ -17,7 +17,9 @@ from fmu_wrapper.variables import NORMAL_STATES as STATES
 from fmu_wrapper.variables import VARIABLES, reference
 
 RATES = tuple(f"rate_of_{state}" for state in STATES)
-MOTION = tuple(v.name for v in VARIABLES if v.causality.get("impact") == "output" and v.variability == "continuous" and not v.group)
+MOTION = tuple(
+    v.name for v in VARIABLES if v.causality.get("impact") == "output" and v.variability == "continuous" and not v.group
+)
 OF_START = ("initial_velocity", "initial_gap")
 CENTRAL = np.array([1.0, -8.0, 8.0, -1.0]) / 12.0
 NODES = (-2, -1, 1, 2)

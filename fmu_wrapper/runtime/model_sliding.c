@@ -171,7 +171,7 @@ void sliding_rescale(model *m, double time_scale, double velocity) {
 static int difference(const model *m, unsigned unknown, unsigned known, double *slope) {
     model ahead = *m;
     model_memory *now = &ahead.memory;
-    double rates[STATES], ends[2], size = m->data->speed, *value = &now->value[known];
+    double rates[STATES], ends[2], size = m->data->speed, *value = known < SETTABLE ? &now->value[known] : NULL;
     for (int k = 0; k < STATES; k++) {
         if (!m->memory.importer_integrates && model_get(&ahead, model_state(k), &now->states[k]) < 0) return -1;
         if (known == model_state(k)) value = &now->states[k], size = m->data->nominal[k];

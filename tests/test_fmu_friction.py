@@ -272,7 +272,7 @@ def test_derivatives_are_differences_where_what_slips_slips_on(made, exchange, p
             return slave.instance.getDirectionalDerivative([reference(of)], [reference(by)], [1.0])[0]
 
         if exchange:
-            time, x = follow(slave, h, int(2000 * part))
+            time, _ = follow(slave, h, int(2000 * part))
             mass = fmu.data.start[reference("mass")]
             assert partial("rate_of_tangential_velocity", "tangential_force") == pytest.approx(1.0 / mass, rel=1e-12)
             assert partial("sliding_velocity", "spin") == pytest.approx(0.01, rel=1e-12)

@@ -215,9 +215,7 @@ int model_initialize(model *m, double time) {
     now->contact_speed = m->data->speed / now->velocity;
     now->states[0] = -gap;
     now->states[1] = contact ? 0.0 : value[INITIAL_VELOCITY];
-    now->states[2] = now->states[3] = now->states[6] = 0.0;
-    now->states[4] = contact ? 0.0 : value[INITIAL_TANGENTIAL_VELOCITY];
-    now->states[5] = contact ? 0.0 : value[INITIAL_SPIN];
+    now->states[2] = 0.0;
     now->indentation = now->committed_indentation = value[INDENTATION];
     now->committed_rate = now->rate = value[RELATIVE_VELOCITY];
     now->committed_time = time;
@@ -225,14 +223,6 @@ int model_initialize(model *m, double time) {
     if (slides(m) && sliding_begin(m) < 0) return -1;
     now->initialized = 1;
     return 0;
-}
-
-/* Whether the contact remembers the parameters that it began with: off the law's own stages, apart from a dent, or
- * by springs of friction. */
-static int remembers(const model *m) {
-    const film_state *state = &m->memory.state;
-    if (slides(m) && m->memory.sliding.springs.radius > 0.0) return 1;
-    return state->branch == FILM_FREE ? state->xi_free != 0.0 : state->branch < 0;
 }
 
 static int move_to(model *m, unsigned reference, double value) {
@@ -258,7 +248,7 @@ int model_move_parameter(model *m, unsigned reference, double value) {
     int of_body = reference == MASS || reference == TARGET_IMPEDANCE || reference == GRAVITY || reference == FRICTION;
     if (of_start) return model_error(m, "%s belongs to the start: it can only be set before the end of Initialization Mode",
                                      VARIABLE[reference].name);
-    if (!of_body && remembers(m))
+    if (!of_body && model_remembers(m))
         return model_error(m, "%s cannot change now: the contact remembers an indentation with the parameters that it began with",
                            VARIABLE[reference].name);
     if (move_to(m, reference, value) == 0) {

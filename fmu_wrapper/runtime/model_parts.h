@@ -81,6 +81,14 @@ static inline int slides(const model *m) { return m->data->kind == IMPACT && m->
 /* The unit of state.time, s. */
 static inline double clock_of(const model *m) { return vibrates(m) ? 1.0 : m->memory.time_scale; }
 
+/* Whether the contact remembers the parameters that it began with: by springs of friction, off the law's own stages, or apart from a
+ * dent. */
+static inline int model_remembers(const model *m) {
+    const film_state *state = &m->memory.state;
+    int apart = state->branch == FILM_FREE ? state->xi_free != 0.0 : state->branch < 0;
+    return apart || (slides(m) && m->memory.sliding.springs.radius > 0.0);
+}
+
 static inline int damped(const model *m) { return m->data->curve.stage[0].damped; }
 
 /* Weight and external force on the impactor, over the force scale. */

@@ -37,6 +37,8 @@ int sliding_begin(model *m) {
     now->pushed = now->turned = now->sliding_time = 0.0;
     now->sliding_event = now->sliding_events = 0;
     memset(&now->accepted, 0, sizeof now->accepted);
+    now->states[3] = now->states[6] = 0.0;
+    now->states[4] = value[INITIAL_TANGENTIAL_VELOCITY], now->states[5] = value[INITIAL_SPIN];
     double velocity = value[INITIAL_TANGENTIAL_VELOCITY] + own->lever * value[INITIAL_SPIN] - now->tangential_support;
     double mass = own->ratio / (1.0 + 1.0 / own->inertia);
     int status = film_slide_init(&now->sliding, m->curve, value[FRICTION], mass, velocity / velocity_unit(m));

@@ -80,9 +80,8 @@ def model_data(
     vibration: Vibration | None = None,
     tolerance: float = 0.0,
 ) -> Data:
-    """The data of an export, without its token. gap: at the start, m. nominal: of the states of the
-    normal motion, SI. vibration: on a
-    vibrating target, with the modes to follow. tolerance: of the steps of viscoelastic bodies.
+    """The data of an export, without its token. gap: at the start, m. nominal: of the normal states, SI. vibration:
+    on a vibrating target, with the modes to follow. tolerance: of the steps of viscoelastic bodies.
 
     Raises SimulationError for more than `MOST_MODES` modes,
     ValueError for a start value outside the range of its variable.

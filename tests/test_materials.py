@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 
 import pytest
 
@@ -36,10 +37,88 @@ def test_every_hardness_of_a_metal_has_a_source() -> None:
         assert found.initial_strength <= found.flow_strength
 
 
-def test_every_material_has_a_hardness_or_says_why_not() -> None:
-    found = [m for m in catalogue().values() if m.hardness is None]
-    assert all("no hardness: " in m.source for m in found)
-    assert [m.name for m in found if m.hardening_exponent] == ["Armco iron"]
+VALUES = {
+    "hardness": ("hardness",),
+    "hardening": ("strain_hardening_exponent",),
+    "rate law": ("strain_rate_coefficient", "rate_multiplier"),
+}
+"""What the catalogue calls these entries where it says why a material has none."""
+
+
+def reasons(found: Material) -> list[str]:
+    """What a material has no value of, of those for which it says why."""
+    named = "|".join(VALUES)
+    told = re.findall(rf"no ((?:{named})(?:(?:, | or )(?:{named}))*): \w", found.source)
+    return [word for words in told for word in re.split(", | or ", words)]
+
+
+@pytest.mark.parametrize("name", catalogue())
+def test_every_value_of_the_strength_is_given_or_the_material_says_why_not(name: str) -> None:
+    found = catalogue()[name]
+    missing = [word for word, entries in VALUES.items() if all(getattr(found, entry) is None for entry in entries)]
+    assert sorted(reasons(found)) == sorted(missing)
+    if found.youngs_modulus < 5e9 and "ice" not in name:
+        assert found.loss_factor is not None and "loss factor: " in found.source
+
+
+def two_points(law: str, found: Material) -> float:
+    """The exponent through the flow stresses at first yield and at 8 % plastic strain by a hardening law, MPa."""
+    a, *others = map(float, re.findall(r"[0-9.]+", law))
+    if "(1 + " in law:
+        first, flow = a, a * (1.0 + others[1] * 0.08) ** others[2]
+    elif " + " in law:
+        first, flow = a, a + others[0] * 0.08 ** others[1]
+    elif others:
+        first, flow = (found.yield_strength or 0.0) / 1e6, a * 0.08 ** others[0]
+    else:
+        first = flow = a
+    return math.log(flow / first) / math.log(1.0 + found.youngs_modulus / 1e6 * 0.08 / first)
+
+
+def test_hardening_exponents_follow_from_the_laws_of_their_sources() -> None:
+    seen = set[str]()
+    for found in catalogue().values():
+        if found.strain_hardening_exponent is None:
+            continue
+        (text,) = re.findall(r"hardening(?: of [^:]*)?: ([^;]*)", found.source)
+        if text == "from the yield strength and the hardness":
+            first, flow = found.yield_strength or 0.0, found.flow_strength or 0.0
+            exponent = math.log(flow / first) / math.log(1.0 + found.youngs_modulus * 0.08 / first)
+        else:
+            law = text.rpartition(", ")[2] if text.endswith("MPa") else text.split(", ")[-2]
+            assert law.endswith(" MPa"), found.name
+            exponent = two_points(law, found)
+        seen.add(re.sub("[0-9.]+", "0", text.rpartition(", ")[2]))
+        assert found.strain_hardening_exponent == pytest.approx(exponent, rel=6e-3), found.name
+    assert len(seen) == 5
+
+
+PRESTON_TONKS_WALLACE = {
+    "stainless steel 304": (0.02, 10.0, 0.05, 0.0075, 0.3, 0.001, 0.0069, 0.0015, 0.05, 0.46, 0.25, 55.0, 89.5e9, 1800),
+    "tantalum": (0.02, 0.0, 0.012, 0.00325, 0.6, 4e-5, 0.01, 0.00125, 0.012, 0.4, 0.23, 180.948, 72.2e9, 3290),
+}
+"""Their constants: θ, p, s0, s∞, κ, γ, y0, y∞, y1, y2, β, atomic mass, G0 [Pa], and the melting temperature, K."""
+
+
+@pytest.mark.parametrize("name", PRESTON_TONKS_WALLACE)
+def test_rate_coefficients_follow_from_the_flow_stress_of_preston_tonks_and_wallace(name: str) -> None:
+    theta, p, s0, s1, kappa, gamma, y0, y1, high, power, beta, mass, stiffness, melting = PRESTON_TONKS_WALLACE[name]
+    shear, warmth, density = stiffness * (1 - 0.23 * 300 / melting), 300 / melting, catalogue()[name].density
+    atom = mass * 1.66053907e-27
+    lattice = 0.5 * (4 * math.pi * density / (3 * atom)) ** (1 / 3) * math.sqrt(shear / density)
+
+    def flow(rate: float) -> float:
+        fast, slow = rate / (gamma * lattice), kappa * warmth * math.log(gamma * lattice / rate)
+        most = max(s0 - (s0 - s1) * math.erf(slow), s0 * fast**beta)
+        first = max(y0 - (y0 - y1) * math.erf(slow), min(high * fast**power, s0 * fast**beta))
+        if p == 0.0:
+            return most - (most - first) * math.exp(-0.08 * theta / (most - first))
+        scale = (s0 - first) / p
+        rest = math.exp((most - first) / scale) - 1.0
+        return most + scale * math.log(1 - rest / (rest + 1) * math.exp(-theta * 0.08 / (scale * rest)))
+
+    coefficient = (flow(1000.0) / flow(1.0) - 1.0) / math.log(1000.0)
+    assert catalogue()[name].strain_rate_coefficient == pytest.approx(coefficient, rel=0.02)
 
 
 def test_crushing_strengths_are_those_of_their_sources() -> None:

@@ -221,10 +221,6 @@ def _material(row: Mapping[str, str]) -> Material:
     given = {heading.partition(" [")[0::2]: cell for heading, cell in row.items() if cell}
     values = {name: f"{cell} {unit.rstrip(']')}".rstrip() for (name, unit), cell in given.items()}
     values.pop("other names", None)
-    if constants := values.pop("johnson_cook", None):
-        a, b, exponent = map(float, constants.split()[:3])
-        modulus = 1e3 * float(row["youngs_modulus [GPa]"])  # MPa
-        values["strain_hardening_exponent"] = repr(johnson_cook_exponent(a, b, exponent, modulus))
     return build(Material, values)
 
 

@@ -109,16 +109,18 @@ def materials(options: argparse.Namespace) -> int:
     if options.name is not None:
         _print_material(chosen[0])
         return DONE
-    heads = f"{'name':33}{'E':>10}{'nu':>7}{'density':>14}{'yield':>10}{'hardness':>10}"
+    heads = f"{'name':33}{'E':>10}{'nu':>7}{'density':>14}{'yield':>10}{'hardness':>10}{'n':>8}{'C':>8}"
     print(f'{heads}  main source ("materials NAME" shows all)')
     for m in chosen:
         strength = "-" if m.yield_strength is None else format_si(m.yield_strength, "pressure")
         hardness = "-" if m.hardness is None else f"{m.hardness / VICKERS:.0f} HV"
         density = f"{m.density:g} kg/m3"
+        flow = (m.strain_hardening_exponent, m.strain_rate_coefficient)
+        exponent, rate = ("-" if value is None else f"{value:g}" for value in flow)
         modulus = format_si(m.youngs_modulus, "pressure")
         print(
             f"{m.name:33}{modulus:>10}{m.poissons_ratio:>7}{density:>14}{strength:>10}{hardness:>10}"
-            f"  {m.source.partition('; ')[0]}"
+            f"{exponent:>8}{rate:>8}  {m.source.partition('; ')[0]}"
         )
     return DONE
 

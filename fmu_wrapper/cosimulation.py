@@ -60,7 +60,7 @@ def run(
     >>> path = fmu_wrapper.export(scene, "impact.fmu")
     >>> ds = fmu_wrapper.run(path, step_size="2 us", start_values={"initial_velocity": "2 m/s"})
     >>> round(float(ds.maximum_force))  # N
-    3237
+    3105
     """
     if mode not in get_args(Mode):
         raise ValueError(f"mode: {mode!r} is not allowed: {' or '.join(get_args(Mode))} is needed")

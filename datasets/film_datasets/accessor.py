@@ -133,7 +133,7 @@ class Film:
         The effects of each impact are decided again, which takes about half as long as the sweep. No file holds the
         ends, which follow from the family and the value, and would take a quarter more bytes.
 
-        >>> fd.sweep(scene, {"impactor.velocity": ["1 m/s", "2 m/s"]}).film.intervals()["family"].values.tolist()
+        >>> fd.sweep(scene, {"impactor.velocity": ["0.2 m/s", "2 m/s"]}).film.intervals()["family"].values.tolist()
         [1, 2]
         """
         from film_datasets.model_intervals import sweep_intervals

@@ -158,7 +158,7 @@ def simulate_batch(
 
     >>> many = fm.simulate_batch(scene, velocity=["0.1 m/s", "1 m/s"])
     >>> many.summary["coefficient_of_restitution"].round(3)
-    array([0.947, 0.738])
+    array([0.902, 0.694])
     """
     if others:
         raise TypeError(f"simulate_batch varies velocity and mass, not {', '.join(others)}: use film_datasets.sweep")

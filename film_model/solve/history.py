@@ -142,7 +142,7 @@ class History:
     >>> [event.name for event in history.events][-2:]
     ['impactor_stops', 'contact_ends']
     >>> print(f"{history.sample('20 us').contact_force.to('N'):.1f~P}")
-    983.5 N
+    918.5 N
     """
 
     scene: Scene

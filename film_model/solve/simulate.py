@@ -53,7 +53,7 @@ def simulate(
 
     >>> history = fm.simulate(scene)
     >>> print(f"{history.maximum_force.to('kN'):.3f~P}")
-    1.504 kN
+    1.444 kN
     """
     if not isinstance(scene, Scene):  # pyright: ignore[reportUnnecessaryIsInstance]
         raise TypeError(f"simulate takes a Scene, not {shown(scene)}: Scene.from_toml reads one from a file")

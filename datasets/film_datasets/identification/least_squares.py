@@ -78,7 +78,7 @@ def identify(
 
     >>> found = fd.identify(fd.from_csv("measured.csv"), scene, ["contact.yield_strength"])
     >>> print(f"{found.scene.contact.yield_strength / 1e6:.0f} MPa")
-    144 MPa
+    123 MPa
     """
     datasets: list[xr.Dataset] = list(measured) if isinstance(measured, list | tuple) else [cast("Any", measured)]
     if not datasets or any(kind_of(one) != MEASUREMENT for one in datasets):

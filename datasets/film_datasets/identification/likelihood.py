@@ -37,7 +37,7 @@ def log_likelihood(
 
     >>> measured = fd.from_csv("measured.csv")
     >>> print(f"{fd.log_likelihood(measured, scene, {'coefficient_of_restitution': 0.1}):.2f}")
-    -9.67
+    -5.80
     """
     if kind_of(measured) != MEASUREMENT or measured.attrs["measured"] not in ("history", "impacts"):
         raise ValueError("measured: a measured history or measured impacts (film_datasets.from_csv) are needed")

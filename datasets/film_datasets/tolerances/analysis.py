@@ -179,7 +179,7 @@ def tolerance(
     >>> found = fd.tolerance(scene, {"impactor.velocity": "1 m/s ± 2 %"}, samples=256)
     >>> mean, deviation = found.of("maximum_force")
     >>> print(f"{mean:.0f~P} ± {deviation:.0f~P}")
-    1504 N ± 19 N
+    1444 N ± 19 N
     """
     sweep = Sweep.of(scene, over, "sobol", samples=samples, seed=seed, correlation=correlation)
     return tolerance_of(sweep, quantities, confidence)

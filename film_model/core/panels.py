@@ -33,7 +33,9 @@ class Panel(c.Structure):
     """A plate with any edges, in any units."""
 
 
-_library = native.with_functions(RITZ, PANEL)
+SPECTRUM = Header("plate/film_spectrum.h", native.CORE)
+
+_library = native.with_functions(RITZ, PANEL, SPECTRUM)
 
 
 def functions(shapes: int, arrays: Sequence[NDArray[Any]], halves: int) -> Functions:
@@ -89,3 +91,13 @@ def energy(panel: Panel, x: Functions, y: Functions, p: Index, q: Index) -> Arra
 def levy(panel: Panel, x: float, y: float) -> float:
     """Static deflection over force of a plate whose edges at y = 0 and b are simply supported."""
     return _library().film_panel_levy(c.byref(panel), x, y)
+
+
+def tridiagonal(diagonal: Array, beside: Array, rows: Array) -> tuple[Array, Array]:
+    """Eigenvalues of a symmetric tridiagonal matrix, ascending, and the components of rows along the eigenvectors."""
+    values, below, columns = diagonal.copy(), np.append(beside, 0.0), np.ascontiguousarray(rows.T)
+    given = values.size, values.ctypes.data, below.ctypes.data, len(rows), columns.ctypes.data
+    if _library().film_tridiagonal(*given):
+        raise np.linalg.LinAlgError("the eigenvalues of a tridiagonal matrix are not found")
+    order = np.argsort(values, kind="stable")
+    return values[order], columns[order].T

@@ -97,19 +97,23 @@ def check_count(count: float) -> None:
         )
 
 
-def projected(seen: Array, values: Array, vectors: Array) -> Array:
-    """The components of `seen` along eigenvectors, one per column, of a symmetric matrix, or of many;
-    `values`: ascending.
+def without_rounding(components: Array, values: Array, size: Array) -> Array:
+    """The components of vectors of a given size along the eigenvectors of a symmetric matrix, or of many; `values`:
+    ascending. Those that are rounding become 0.
 
     An eigenvector is wrong by ε ‖A‖ over the distance to the next eigenvalue (Davis and Kahan 1970). A component that
-    is not larger than this error times |seen| is rounding, which differs between machines: it becomes 0. Measured on
-    modes with a node at the struck point by symmetry: at most 0.3 of this bound.
+    is not larger than this error times the size is rounding, which differs between machines. Measured on modes with a
+    node at the struck point by symmetry: at most 0.3 of this bound.
     """
     gaps = np.diff(values, axis=-1, prepend=-math.inf, append=math.inf)
     rounding = np.finfo(np.float64).eps * np.abs(values).max(axis=-1, keepdims=True)
     blur = rounding / np.maximum(np.minimum(gaps[..., 1:], gaps[..., :-1]), rounding / BLURRED)
-    found = seen @ vectors
-    return np.where(np.abs(found) > blur * np.linalg.norm(seen, axis=-1, keepdims=True), found, 0.0)
+    return np.where(np.abs(components) > blur * size, components, 0.0)
+
+
+def projected(seen: Array, values: Array, vectors: Array) -> Array:
+    """The components of `seen` along eigenvectors, one per column, as of :func:`without_rounding`."""
+    return without_rounding(seen @ vectors, values, np.linalg.norm(seen, axis=-1, keepdims=True))
 
 
 def sorted_modes(frequency: Array, share: Array, highest: float, factor: Array | None = None) -> Modes:

@@ -20,7 +20,7 @@ from film_model.base.errors import SimulationError, TooManyModes
 from film_model.base.threads import one_thread
 from film_model.core import panels
 from film_model.targets.line_functions import SIMPLE, Line, line, polynomials
-from film_model.targets.modes import Modes, Points, check_count, projected, sorted_modes
+from film_model.targets.modes import Modes, Points, check_count, projected, sorted_modes, without_rounding
 
 Block = tuple[Index, Index]
 """Numbers p and q of some products."""
@@ -293,12 +293,12 @@ def spectrum(energy: Array, seen: Array, least: float) -> tuple[Array, Array]:
     1e-12. The shift, `least` or more, is small beside eigenvalues that are not 0, and leaves the high ones 8 digits.
 
     A reflection turns the first row into the first axis, and the reduction to a tridiagonal matrix leaves that axis
-    alone: the first entries of the tridiagonal matrix's eigenvectors are the components (Golub & Welsch 1969), and the
-    eigenvectors of the whole matrix, which take most of the time, are not needed. The other rows are turned likewise.
+    alone: the first entries of the tridiagonal matrix's eigenvectors are the components (Golub & Welsch 1969). The other
+    rows are turned likewise. No eigenvectors are needed, which would take most of the time: the core turns the rows.
     """
     import scipy.linalg  # takes as long as thousands of impacts, and most plates need no spectrum
 
-    blas, lapack, linalg = cast("tuple[Any, ...]", (scipy.linalg.blas, scipy.linalg.lapack, scipy.linalg))
+    blas, lapack = cast("tuple[Any, ...]", (scipy.linalg.blas, scipy.linalg.lapack))
     (struck, *others), count = seen, seen.shape[1]
     size = float(np.linalg.norm(struck))
     shift = max(least, SHIFT * float(np.median(np.diag(energy))))
@@ -318,15 +318,17 @@ def spectrum(energy: Array, seen: Array, least: float) -> tuple[Array, Array]:
     inverse = blas.dsyr2(-1.0, mirror, turned, lower=1, a=inverse, overwrite_a=1)
     work = int(lapack.dsytrd_lwork(count, lower=1)[0])
     reduced, diagonal, beside, turns, _ = lapack.dsytrd(inverse, lower=1, lwork=work, overwrite_a=1)
-    values, vectors = linalg.eigh_tridiagonal(diagonal, beside, lapack_driver="stemr")
-    found = [projected(np.array([-math.copysign(size, struck[0])]), values, vectors[:1])]
+    rows = np.zeros_like(seen)
+    rows[0, 0] = -math.copysign(size, struck[0])
     if others:
         turned = np.array([row - (mirror @ row) * mirror for row in others]).T
         if count > 1:
             turned[1:] = lapack.dormqr("L", "T", reduced[1:, :-1], turns, turned[1:], 64 * count)[0]
-        found += [projected(row, values, vectors) for row in turned.T]
+        rows[1:] = turned.T
+    values, found = panels.tridiagonal(diagonal, beside, rows)
+    found = without_rounding(found, values, np.linalg.norm(seen, axis=1, keepdims=True))
     known = values[::-1] > ROUNDED * values[-1]
-    return 1.0 / values[::-1][known] - shift, np.array(found)[:, ::-1][:, known]
+    return 1.0 / values[::-1][known] - shift, found[:, ::-1][:, known]
 
 
 def _spectra(energy: Array, seen: Array, least: float) -> tuple[Array, Array]:

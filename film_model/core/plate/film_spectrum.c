@@ -72,8 +72,16 @@ static double mirror_of(int32_t m, const double *x, double *v) {
     return turned;
 }
 
-/* Eigenvalues of a tridiagonal matrix in place of its diagonal; the last row of its eigenvectors in `last`. */
-static int32_t diagonalise(int32_t n, double *d, double *e, double *last) {
+/* Two rows turned into each other. */
+static inline void turn(int32_t width, double *restrict a, double *restrict b, double c, double s) {
+    for (int32_t k = 0; k < width; k++) {
+        double one = a[k], two = b[k];
+        a[k] = c * one - s * two;
+        b[k] = s * one + c * two;
+    }
+}
+
+int32_t film_tridiagonal(int32_t n, double *d, double *e, int32_t width, double *rows) {
     for (int32_t l = 0; l < n; l++) {
         for (int32_t step = 0;; step++) {
             int32_t m = l;
@@ -85,7 +93,7 @@ static int32_t diagonalise(int32_t n, double *d, double *e, double *last) {
             int32_t i = m - 1;
             for (; i >= l; i--) {
                 double f = s * e[i], b = c * e[i];
-                e[i + 1] = r = hypot(f, g);
+                e[i + 1] = r = sqrt(f * f + g * g);
                 if (r == 0.0) {
                     d[i + 1] -= p;
                     e[m] = 0.0;
@@ -98,9 +106,7 @@ static int32_t diagonalise(int32_t n, double *d, double *e, double *last) {
                 p = s * r;
                 d[i + 1] = g + p;
                 g = c * r - b;
-                f = last[i + 1];
-                last[i + 1] = s * last[i] + c * f;
-                last[i] = c * last[i] - s * f;
+                turn(width, at(rows, width, i), at(rows, width, i + 1), c, s);
             }
             if (r == 0.0 && i >= l) continue;
             d[l] -= p;
@@ -143,7 +149,7 @@ int32_t film_spectrum(int32_t n, double *energy, const double *struck, double le
         seen[i] = i == n - 1 ? turned : 0.0;
     }
     e[n - 1] = 0.0;
-    if (diagonalise(n, square, e, seen) != FILM_OK) return FILM_BAD_NUMBER;
+    if (film_tridiagonal(n, square, e, 1, seen) != FILM_OK) return FILM_BAD_NUMBER;
     sort(n, square, seen);
     double rounding = DBL_EPSILON * fmax(fabs(square[0]), fabs(square[n - 1]));
     int32_t count = 0;

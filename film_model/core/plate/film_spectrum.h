@@ -10,6 +10,10 @@
 FILM_API int32_t film_spectrum(int32_t n, double *energy, const double *struck, double least, double *memory, double *square,
                                double *seen);
 
+/* Eigenvalues of a symmetric tridiagonal matrix in place of its diagonal d, in no order; beside: below the diagonal, n doubles. Each
+ * column of the n x width `rows` becomes its components along the eigenvectors. FILM_BAD_NUMBER if they are not found. */
+FILM_API int32_t film_tridiagonal(int32_t n, double *d, double *beside, int32_t width, double *rows);
+
 /* struck A^-1 struck for a positive symmetric matrix A, which is overwritten; memory: n doubles. NaN if it is not positive. */
 FILM_API double film_compliance(int32_t n, double *energy, const double *struck, double *memory);
 

@@ -159,14 +159,14 @@ def _with_omitted(
 
 
 def computable(target: AbstractTarget, highest: float, unit: float, least: float = 0.0) -> float:
-    """The frequency, `highest` or less by powers of 2^(1/2), up to which the modes can be computed. TooManyModes if it
-    is below `least`."""
+    """The frequency, `highest` or less by powers of 2, or of 2^(1/2) close to `least`, up to which the modes can be
+    computed. TooManyModes if it is below `least`."""
+    highest = on_grid(target, highest)
     while True:
-        highest = on_grid(target, highest)
         try:
             structure_of(target, highest, unit)
         except TooManyModes:
-            highest /= 2.0**0.5
+            highest /= 2.0 if highest >= 2.0 * least else 2.0**0.5
             if highest < least:
                 raise
         else:
@@ -232,11 +232,12 @@ def rate_of(target: AbstractTarget) -> float:
 
 
 def on_grid(target: AbstractTarget, frequency: float) -> float:
-    """The frequency rounded up in units of the target's own."""
-    return rounded(frequency, rate_of(target))
+    """The frequency rounded up to a power of 2 in units of the target's own: plates of all thicknesses then share a few
+    sets of modes. As it is doubled until results agree, impacts on average need no more modes than from any other."""
+    return rounded(frequency, rate_of(target), 1.0)
 
 
-def rounded(value: float, unit: float = 1.0) -> float:
-    """`unit` times the power of 2^(1/4) that is not below `value`, so that similar impacts on a target share its
-    tables, and those on similar targets their modes; of such a power with rounding errors, itself."""
-    return unit * 2.0 ** (math.ceil(4.0 * math.log2(value / unit) - 1e-9) / 4.0)
+def rounded(value: float, unit: float = 1.0, steps: float = 4.0) -> float:
+    """`unit` times the power of 2^(1/steps) that is not below `value`, so that similar impacts on a target share its
+    tables; of such a power with rounding errors, itself."""
+    return unit * 2.0 ** (math.ceil(steps * math.log2(value / unit) - 1e-9) / steps)

@@ -293,8 +293,8 @@ def spectrum(energy: Array, seen: Array, least: float) -> tuple[Array, Array]:
     1e-12. The shift, `least` or more, is small beside eigenvalues that are not 0, and leaves the high ones 8 digits.
 
     A reflection turns the first row into the first axis, and the reduction to a tridiagonal matrix leaves that axis
-    alone: the first entries of the tridiagonal matrix's eigenvectors are the components (Golub & Welsch 1969). The other
-    rows are turned likewise. No eigenvectors are needed, which would take most of the time: the core turns the rows.
+    alone: the first entries of the tridiagonal matrix's eigenvectors are the components (Golub & Welsch 1969). The
+    other rows are turned likewise. The core turns rows, not eigenvectors, which would take most of the time.
     """
     import scipy.linalg  # takes as long as thousands of impacts, and most plates need no spectrum
 

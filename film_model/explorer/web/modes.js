@@ -28,9 +28,9 @@ function supportNow(scene) {
   };
 }
 
-/** The power of 2^(1/4) times a unit that is not below a value. @param {number} value */
-function rounded(value, unit = 1) {
-  return unit * 2 ** (Math.ceil(4 * Math.log2(value / unit) - 1e-9) / 4);
+/** The power of 2^(1/steps) times a unit that is not below a value. @param {number} value */
+function rounded(value, unit = 1, steps = 4) {
+  return unit * 2 ** (Math.ceil(steps * Math.log2(value / unit) - 1e-9) / steps);
 }
 
 /** Compliance of modes from the one with this number on, m/N, under a force that grows with a rate, 1/s. @param {Record<string, ArrayLike<number>>} modes */
@@ -230,7 +230,7 @@ function vibrate(scene, problem) {
   const period = support.lowest > 0 ? (2 * Math.PI) / support.lowest : 0;
   const limit = rule.longest * (still.contact_duration * p.time + slow + period);
   const fast = rule.first_phase / (still.time_of_maximum_indentation * p.time);
-  const first = rounded(Math.max(fast, 4 * support.lowest), support.rate);
+  const first = rounded(Math.max(fast, 4 * support.lowest), support.rate, 1);
   const rattles = !law.series && structureOf(scene, first, rounded(p.time), law.series).omitted > 0;
   let [highest, most] = [first, Math.min(support.highest, rattles ? rule.highest * first : Infinity)];
   const cut = 2 * first > support.highest;

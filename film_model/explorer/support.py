@@ -16,6 +16,7 @@ from film_model.core import modal
 from film_model.effects.choose import Choice
 from film_model.effects.edge_effects import CLOSE, SLOW
 from film_model.explorer.inputs import STRENGTH_ENTRIES, Input, damping_input
+from film_model.problem.summary import FLAT
 from film_model.scene import DEFAULT_ACCURACY, Scene
 from film_model.solve import structures, vibration
 from film_model.targets import AbstractTarget, Plate, Structure, line_functions, panel_statics, ritz
@@ -128,6 +129,7 @@ def constants() -> dict[str, Any]:
     return numbers_of(vibration, names) | {
         "above": structures.ABOVE,
         "equal": EQUAL,
+        "flat": FLAT,
         "unseen": UNSEEN,
         "most_computed": 10_000,  # bound on the number of modes that the page computes itself: 56 MB for their tables
         "least_frequency": structures.SLOWEST,

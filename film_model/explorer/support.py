@@ -124,12 +124,13 @@ def constants() -> dict[str, Any]:
     """The numbers of :mod:`film_model.solve.vibration` and :mod:`film_model.solve.structures`."""
     names = (
         *("FIRST_PHASE", "DAMPED_FACTOR", "DAMPED_FALL", "MEMBRANE_FACTOR", "MODES_FACTOR", "MODES_FALL", "FOLLOWED"),
-        *("HIGHEST", "IMPULSES", "LONGEST", "NEGLIGIBLE", "REFINED", "SLOWEST", "STEP", "TIGHTEST", "UNRESOLVED"),
+        *("HIGHEST", "IMPULSES", "LONGEST", "NEGLIGIBLE", "REFINED", "SLOWEST", "STALLED", "STEP", "TIGHTEST"),
+        "UNRESOLVED",
     )
     return numbers_of(vibration, names) | {
         "above": structures.ABOVE,
-        "equal": EQUAL,
         "flat": FLAT,
+        "equal": EQUAL,
         "unseen": UNSEEN,
         "most_computed": 10_000,  # bound on the number of modes that the page computes itself: 56 MB for their tables
         "least_frequency": structures.SLOWEST,

@@ -69,6 +69,10 @@ HIGHEST = 64.0
 """Highest frequency over that of the first run, where more modes cannot be computed, or where the omitted compliance is
 a mode: a stiffer one rattles between the impactor and the others, thousands of times, and changes no result."""
 
+STALLED = 0.7
+"""Estimate over that with half the highest frequency, from which on results no longer converge if there is no mode in
+between: only the mode of the omitted compliance gets stiffer and rattles more."""
+
 FIRST_PHASE = 24.0
 """Highest frequency of the first run times the time from touch to the deepest point."""
 
@@ -225,8 +229,9 @@ def _refined(
     recorded: bool,
 ) -> tuple[Vibration, Vibration, float]:
     """`vibrate` with the highest frequency between two values: the last two runs, and the estimate. limit: as of `run`.
-    recorded: whether a run that is sure to be the last is recorded at once."""
+    recorded: whether a run that is sure or likely to be the last is recorded at once."""
     (highest, most), tolerance, damped = between, step_tolerance(accuracy), problem.law.damped
+    estimated = math.inf
 
     def follow(upto: float, tolerance: float, expected: int = 0) -> Vibration:
         return run(problem, modes(upto), tolerance, limit, expected > 0, expected)
@@ -239,8 +244,9 @@ def _refined(
     while True:
         work = sum(each.work for each in runs)
         sure = 2.0 * highest >= most or work + 5 * runs[-1].work > modal.MOST_WORK  # if more modes take no less
+        final = recorded and (sure or estimated <= MODES_FALL * accuracy)
         try:
-            runs.append(follow(2.0 * highest, tolerance, 2 * int(runs[-1].summary.lines) * (recorded and sure)))
+            runs.append(follow(2.0 * highest, tolerance, 2 * int(runs[-1].summary.lines) * final))
             highest *= 2.0
             work += 5 * runs[-1].work
             last = highest >= most or work > modal.MOST_WORK or 4 * runs[-1].modes > structures.MOST_MODES
@@ -253,9 +259,11 @@ def _refined(
         if len(runs) > 2:
             before, change = (differences(problem, *(r.summary for r in pair)) for pair in (runs[-3:-1], runs[-2:]))
             errors = {name: float(error_of(damped, before[name], change[name])) + tolerance for name in change}
-            if (estimated := max(errors.values())) <= accuracy:
+            known, estimated = estimated, max(errors.values())
+            if estimated <= accuracy:
                 return runs[-2], runs[-1], estimated
-            if last:
+            stiffer = math.isfinite(most) and runs[-1].modes == runs[-2].modes
+            if last or (stiffer and estimated > STALLED * known):
                 return runs[-2], runs[-1], _unreached(runs[-1], errors, accuracy, warnings)
         tolerance = max(tolerance / REFINED, TIGHTEST)
 

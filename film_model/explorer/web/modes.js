@@ -279,9 +279,10 @@ function vibrate(scene, problem) {
     const known = before;
     const [factor, fall] = p.damping > 0 ? [rule.damped_factor, rule.damped_fall] : [rule.modes_factor, rule.modes_fall];
     const errors = Object.entries(changes).map(([name, change]) => factor * Math.max(change, known[name] / fall) + tolerance);
+    const stalled = rattles && fine.structure.count === coarse.structure.count && error !== null && Math.max(...errors) > rule.stalled * error;
     error = Math.max(...errors);
     if (error > accuracy && 2 * highest > support.highest) refuse();
-    if (error <= accuracy || last) {
+    if (error <= accuracy || last || stalled) {
       const own = errorOfCompliance(scene, problem, coarse, accuracy, limit) + errorOfMembrane(scene, problem, fine, limit);
       if (own > 0) fine = follow(fine.tolerance);
       return { ...fine, error: error + own, warning: error + own <= accuracy ? "" : unreached(accuracy, fine) };

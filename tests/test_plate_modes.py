@@ -340,6 +340,18 @@ def test_a_wide_beam_takes_few_vibrations():
     assert history.summary["maximum_force"] == pytest.approx(1507.86, rel=1e-4)
 
 
+def test_plates_of_many_thicknesses_share_few_sets_of_modes():
+    """One for each power of 2 of the frequency: twelve thicknesses from 8 to 16 mm need two more than the first."""
+    effects, found = fm.Effects(gravity=False, boundary_reflections=True, target_inertia=True), list[int]()
+    ball, contact = fm.Sphere("10 mm", "1 m/s", material="bearing steel"), fm.Contact("hertz")
+    ritz.unit_modes.cache_clear()
+    for thickness in np.linspace(8.0, 16.0, 12):
+        plate = fm.Plate("aluminium 6061-T6", f"{thickness:.6g} mm", size=["120 mm", "100 mm"], edges="clamped")
+        fm.simulate(fm.Scene(ball, plate, contact, effects), accuracy=1e-3)
+        found.append(ritz.unit_modes.cache_info().misses)
+    assert found[0] > 8 and found[-1] <= found[0] + 2
+
+
 def test_response_to_a_half_sine():
     """One mode, far slower and far faster than the half-sine: ∫∫F/M, and F/k."""
     for rate, expected in ((1e-3, (math.pi / 2 - 1) / (2.0 * math.pi**2)), (1e5, 1 / (2.0 * 1e10))):

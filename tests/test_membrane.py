@@ -214,6 +214,7 @@ def test_what_a_page_gets():
 def test_sensors_files_and_sweeps(tmp_path):
     """The struck point's own sensor, its velocity, a motion from a file, and rows of a sweep."""
     scene = struck(0.3, sensors=[{"name": "centre", "position": [f"{SIDE / 2} m"] * 2}], damping_ratio=0.01)
+    scene = scene.replace({"solver.accuracy": 5e-5})
     history = fm.simulate(scene)
     times = np.linspace(0.0, history.duration, 2001)
     seen = history.sensed_si(times)

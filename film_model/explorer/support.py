@@ -103,6 +103,7 @@ def data(choice: Choice) -> tuple[dict[str, Any] | None, str]:
         return None, f"the {target.kind} moves by {modes.tables.count} natural vibrations, too many for a page"
     found |= {"lacking": modes.omitted, "highest": modes.highest}
     found |= {"lowest": structures.lowest_frequency(target), "rate": structures.rate_of(target)}
+    found["steps"] = structures.steps_of(target)
     if carried:
         few = structures.structure_of(target, modes.highest, own.unit, carried // 2).tables.forms.shape[1]
         halves = [[row[: i + 1].tolist() for i, row in enumerate(form)] for form in modes.tables.forms]
@@ -125,7 +126,7 @@ def constants() -> dict[str, Any]:
     names = (
         *("FIRST_PHASE", "DAMPED_FACTOR", "DAMPED_FALL", "MEMBRANE_FACTOR", "MODES_FACTOR", "MODES_FALL", "FOLLOWED"),
         *("HIGHEST", "IMPULSES", "LONGEST", "NEGLIGIBLE", "REFINED", "SLOWEST", "STALLED", "STEP", "TIGHTEST"),
-        "UNRESOLVED",
+        *("LITTLE", "UNRESOLVED"),
     )
     return numbers_of(vibration, names) | {
         "above": structures.ABOVE,

@@ -232,9 +232,14 @@ def rate_of(target: AbstractTarget) -> float:
 
 
 def on_grid(target: AbstractTarget, frequency: float) -> float:
-    """The frequency rounded up to a power of 2 in units of the target's own: plates of all thicknesses then share a few
-    sets of modes. As it is doubled until results agree, impacts on average need no more modes than from any other."""
-    return rounded(frequency, rate_of(target), 1.0)
+    """The frequency rounded up in units of the target's own; if it has some, to a power of 2: plates of all thicknesses
+    then share few sets of modes. As it is doubled until results agree, impacts need no more modes on average."""
+    return rounded(frequency, rate_of(target), steps_of(target))
+
+
+def steps_of(target: AbstractTarget) -> float:
+    """Steps of :func:`on_grid` for each power of 2."""
+    return 1.0 if target.longest_time else 4.0
 
 
 def rounded(value: float, unit: float = 1.0, steps: float = 4.0) -> float:

@@ -69,9 +69,9 @@ HIGHEST = 64.0
 """Highest frequency over that of the first run, where more modes cannot be computed, or where the omitted compliance is
 a mode: a stiffer one rattles between the impactor and the others, thousands of times, and changes no result."""
 
-STALLED = 0.7
+STALLED, LITTLE = 0.7, 0.1
 """Estimate over that with half the highest frequency, from which on results no longer converge if there is no mode in
-between: only the mode of the omitted compliance gets stiffer and rattles more."""
+between and the omitted compliance is below `LITTLE` of the contact's: its mode only gets stiffer and rattles more."""
 
 FIRST_PHASE = 24.0
 """Highest frequency of the first run times the time from touch to the deepest point."""
@@ -211,12 +211,17 @@ def _target_errors(
 ) -> dict[str, float]:
     """Relative changes of the summary by the error of the omitted compliance: from a run with fewer modes than the last
     and one with more compliance. None if it is too small to matter."""
-    core, scales, error = found.summary, problem.scales, structure.error
-    soft = core.maximum_indentation / core.maximum_force * scales.length / scales.force if core.maximum_force else 0.0
-    if error <= NEGLIGIBLE * accuracy * (soft + structure.omitted):
+    core, error = found.summary, structure.error
+    if error <= NEGLIGIBLE * accuracy * (_softness(problem, core) + structure.omitted):
         return {}
     other = run(problem, structures.softer(structure, error), found.start.tolerance, found.start.limit, recorded=False)
     return differences(problem, core, other.summary)
+
+
+def _softness(problem: Problem, core: native.Summary) -> float:
+    """Compliance of the contact, m/N: largest indentation over largest force."""
+    unit = problem.scales.length / problem.scales.force
+    return core.maximum_indentation / core.maximum_force * unit if core.maximum_force else 0.0
 
 
 def _refined(
@@ -262,8 +267,9 @@ def _refined(
             known, estimated = estimated, max(errors.values())
             if estimated <= accuracy:
                 return runs[-2], runs[-1], estimated
+            little = modes(highest).omitted < LITTLE * _softness(problem, runs[-1].summary)
             stiffer = math.isfinite(most) and runs[-1].modes == runs[-2].modes
-            if last or (stiffer and estimated > STALLED * known):
+            if last or (stiffer and little and estimated > STALLED * known):
                 return runs[-2], runs[-1], _unreached(runs[-1], errors, accuracy, warnings)
         tolerance = max(tolerance / REFINED, TIGHTEST)
 

@@ -159,14 +159,14 @@ def _with_omitted(
 
 
 def computable(target: AbstractTarget, highest: float, unit: float, least: float = 0.0) -> float:
-    """The frequency, `highest` or less by powers of 2, or of 2^(1/2) close to `least`, up to which the modes can be
-    computed. TooManyModes if it is below `least`."""
+    """The frequency, `highest` or less by powers of 2^(1/2), up to which the modes can be computed; by powers of 2 of
+    targets that share modes, but close to `least`. TooManyModes if it is below `least`."""
     highest = on_grid(target, highest)
     while True:
         try:
             structure_of(target, highest, unit)
         except TooManyModes:
-            highest /= 2.0 if highest >= 2.0 * least else 2.0**0.5
+            highest /= 2.0 if steps_of(target) == 1.0 and highest >= 2.0 * least else 2.0**0.5
             if highest < least:
                 raise
         else:

@@ -167,7 +167,7 @@ def vibrate(
         between = first, HIGHEST * first if rattles else math.inf
         *runs, estimated = _refined(problem, modes, limit, between, accuracy, warnings, recorded)
     except TooManyModes:
-        most = structures.computable(target, tried[-1] / 2.0, unit, UNRESOLVED * first)
+        most = structures.computable(target, tried[-1] / 2.0**0.5, unit, UNRESOLVED * first)
         *runs, estimated = _refined(problem, modes, limit, (most / 4.0, most), accuracy, warnings, recorded)
     coarse, found = runs
     if recorded and not found.met.size:

@@ -309,7 +309,7 @@ def test_targets_that_vibrate_equal_python(shown, tmp_path, kind):
     write_page(tmp_path / "impact.html", scene.replace(stretches))
     fragments = ["scene=scene" + change for change in (*CHANGES, *(SCALED if kind in ("plate", "sheet") else ()))]
     window = shown((tmp_path / "impact.html").as_uri())
-    compared = 0
+    compared = errors = 0
     for fragment, (found, text) in zip(fragments, window.evaluate(SUMMARIES, fragments), strict=True):
         if "summary" not in found:
             assert "cannot be in series" in found["reason"], (fragment, found)
@@ -317,10 +317,11 @@ def test_targets_that_vibrate_equal_python(shown, tmp_path, kind):
         compared += 1
         history, factor = simulated(fm.Scene.from_text(text), found)
         check(history, factor, found, fragment)
-        if stretches and found["modes"] == history.accuracy.modes:
+        if stretches and found["modes"] and found["segments"] == len(history.vibration.segments):  # the same run
+            errors += 1
             assert found["error"] == pytest.approx(history.accuracy.estimated, abs=STEP * 1e-3), fragment
         assert (found["modes"] > 0) is (kind != "static" and "target_motion=false" not in fragment)
-    assert compared >= 6
+    assert compared >= 6 and errors >= (3 if stretches else 0)
     window.click("#part-laws > summary")
     window.wait_for_selector("#chart-laws path")
     window.click("#part-restitution > summary")

@@ -180,8 +180,9 @@ function stillOf({ p, curve }) {
 /** Difference of two summaries, value by value. @param {Problem} problem @param {Impact} a @param {Impact} b */
 function differencesOf(problem, a, b) {
   const names = DATA.constants.compared.filter((/** @type {string} */ name) => !(name === "permanent_indentation" && problem.p.damping > 0));
-  const weight = (/** @type {string} */ name) => (name === "time_of_maximum_indentation" ? DATA.constants.vibration.flat : 1);
-  return Object.fromEntries(names.map((/** @type {string} */ name) => [name, CORE.compare(problem.p, { ...b, [name]: a[name] }, b) / weight(name)]));
+  const found = Object.fromEntries(names.map((/** @type {string} */ name) => [name, CORE.compare(problem.p, { ...b, [name]: a[name] }, b)]));
+  found.time_of_maximum_indentation /= DATA.constants.vibration.flat;
+  return found;
 }
 
 /** Rate at which the contact of a run follows the modes up to a frequency, in 1/s. @param {Problem} problem @param {any} outcome @param {number} shares @param {number} highest */

@@ -11,7 +11,7 @@ from scipy.sparse import coo_array
 
 import film_model as fm
 from film_model.cli.main import main
-from film_model.targets.modes_of_programs import check_kind, gives_vibrations, read_matrices, read_vibrations
+from film_model.targets.modes_of_programs import Told, check_kind, gives_vibrations, read_matrices, read_vibrations
 from film_model.targets.structure_file import read_structure
 
 LINKS, MASS, SPRING = 30, 0.2, 4e6  # a chain of masses, kg, and springs, N/m
@@ -112,7 +112,7 @@ def test_universal_files(tmp_path, capsys):
     output.unlink()
     read[4] = "4"
     capsys.readouterr()
-    assert main(read) == 3 and "at 100 Hz has no node 4" in capsys.readouterr().err
+    assert main(read) == 3 and "vibration 2 has no node 4; the nearest numbers are 3 and 7" in capsys.readouterr().err
     read[4], read[6] = "3", "x"
     assert main(read) == 3 and not output.exists()
     assert "no vibration moves node 3 along x; they move it along z" in capsys.readouterr().err
@@ -313,10 +313,10 @@ def punched(omegas=OMEGA, size=1.0):
     return text + "$TITLE\n$DISPLACEMENTS\n" + "         7       G      1.0  no shape\n"
 
 
-def read(path, node, direction, *sensors):
+def read(path, node, direction, *sensors, **told):
     kind = check_kind(path)
     assert gives_vibrations(path, kind)
-    return read_vibrations(path, node, direction, sensors, "t")
+    return read_vibrations(path, node, direction, sensors, Told("t", **told))
 
 
 @pytest.mark.parametrize(
@@ -344,7 +344,11 @@ def test_vibrations_of_nastran(content, tmp_path):
         (".op2", b"\x00" * 50, "is not a results file of Nastran"),
         (".op2", binary().replace(b"OUGV", b"OUXX"), "has no real vibrations"),
         (".pch", punched((1.0, 2.0)) + punched((1.0, 2.0)), "vibration 1 is there twice"),
-        (".pch", punched((1.0, 2.0)).replace("12       G", "13       G"), "vibration 1 has no node 12"),
+        (
+            ".pch",
+            punched((1.0, 2.0)).replace("12       G", "13       G"),
+            "vibration 1 has no node 12; the nearest numbers are 7 and 13",
+        ),
         (".pch", punched((1.0, 2.0)).replace("12       G  ", "12       G X"), "is not the displacement of a node"),
         (".pch", punched((1.0,), 1.0 / 9.0), "largest displacement of every vibration is 1: its modal mass is needed"),
         (".pch", punched((1.0, 2.0)).replace("=  4.0", "= -4.0"), "an eigenvalue is -4: the structure is unstable"),

@@ -48,7 +48,7 @@ def read_dmig(path: Path, most: int) -> tuple[dict[str, Array], list[Point]]:
             column, own = _point(first, rest[0]), terms.setdefault(kind, {})
             for at in range(2, len(rest) - 2, 4):
                 if rest[at]:
-                    own[_point(rest[at], rest[at + 1]), column] = _real(rest[at + 2])
+                    own[_point(rest[at], rest[at + 1]), column] = fortran_real(rest[at + 2])
         except ValueError as error:
             raise ValueError(f"{path}: DMIG {name}: {error}") from None
     for kind in terms:
@@ -89,7 +89,7 @@ def _point(point: str, component: str) -> Point:
     return int(point), int(component or 0)
 
 
-def _real(text: str) -> float:
+def fortran_real(text: str) -> float:
     match = _REAL.fullmatch(text)
     if match is None:
         raise ValueError(f"{shown(text)} is not a real number")

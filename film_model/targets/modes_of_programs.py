@@ -1,4 +1,4 @@
-"""Natural vibrations from other programs, as a file of vibrations: universal files, Nastran, Ansys, matrices."""
+"""Natural vibrations from other programs, as a file of vibrations: from results, universal files, meshes, matrices."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import importlib
 import math
 import zipfile
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -17,15 +17,20 @@ from film_model.base.errors import shown
 from film_model.base.files import check_regular, written_whole
 from film_model.base.threads import one_thread
 from film_model.targets.dmig import read_dmig
+from film_model.targets.mesh_modes import FORMATS, SERIES, read_mesh
 from film_model.targets.nastran_results import has_vibrations, read_op2, read_punch
+from film_model.targets.printed_results import read_dat
 from film_model.targets.result_modes import ResultModes
 from film_model.targets.structure_file import ROOTS
 
 DIRECTIONS = ("x", "y", "z")
 
 UNIVERSAL, MATRICES, NASTRAN, BINARY = (".unv", ".uff", ".uf"), (".npz", ".mtx"), (".pch", ".bdf", ".nas"), ".op2"
-ANSYS = ".rst"
+ANSYS, PRINTED, MESHES = ".rst", ".dat", (*FORMATS, SERIES)
 """Suffixes of the files that are read."""
+
+SHAPES = (*UNIVERSAL, BINARY, ANSYS, PRINTED, *MESHES)
+"""Suffixes of files that have vibrations at nodes whatever is in them."""
 
 UNREAD = {
     "of vibrations": (".csv", ".nc"),
@@ -33,13 +38,15 @@ UNREAD = {
     "of results of Ansys": (".rth", ".full", ".sub"),
     "of Abaqus": (".odb", ".fil", ".sim", ".inp"),
     "of results of CalculiX": (".frd",),
+    "of Exodus": (".e", ".ex2", ".exo"),
     "of MATLAB": (".mat",),
 }
 """Kinds of files that are not read, as messages name them, and their suffixes."""
 
 EXPORT = (
-    "a universal file (.unv, data sets 55), vibrations of Nastran (.op2, .pch) or Ansys (.rst), or reduced matrices as "
-    ".npz, Matrix Market (.mtx) or DMIG of Nastran (.pch, .bdf), is needed"
+    "a universal file (.unv, data sets 55), vibrations of Nastran (.op2, .pch), Ansys (.rst), Abaqus or CalculiX "
+    "(.dat), a mesh with shapes (.vtu, .vtk, .pvd, .xdmf, .med), or reduced matrices as .npz, Matrix Market (.mtx) or "
+    "DMIG of Nastran (.pch, .bdf), is needed"
 )
 
 MOST_ROWS = 3000
@@ -68,7 +75,7 @@ class FoundModes:
     shape: of mass 1 kg, 1/√kg, at the struck point in the first row and at the sensors in the others. damping_ratio:
     ζ; None if unknown. static_compliance: at the struck point, m/N; None if unknown. sensors: numbers of their nodes or
     rows. coupling: largest off-diagonal term of the damping over the root of the product of the two diagonal ones; it
-    is neglected.
+    is neglected. place: of the struck node, in units of the model, where the user may not know its number; else empty.
     """
 
     frequency: Array
@@ -77,6 +84,7 @@ class FoundModes:
     static_compliance: float | None
     sensors: tuple[int, ...]
     coupling: float = 0.0
+    place: Sequence[float] = ()
 
     def write(self, path: Path) -> None:
         """As the CSV file that `kind = "structure"` reads; the shapes at sensors are columns shape_17."""
@@ -96,7 +104,7 @@ def check_kind(path: Path) -> str:
     suffix = path.suffix.lower()
     if suffix in UNREAD["of vibrations"]:
         raise ValueError(f'{path} is a file of vibrations itself, which kind = "structure" reads')
-    if suffix not in (*UNIVERSAL, *MATRICES, *NASTRAN, BINARY, ANSYS):
+    if suffix not in (*SHAPES, *MATRICES, *NASTRAN):
         what = next((what for what, own in UNREAD.items() if suffix in own), f"with the suffix {shown(suffix)}")
         raise ValueError(f"{path}: files {what} are not read: {EXPORT}")
     try:
@@ -108,32 +116,53 @@ def check_kind(path: Path) -> str:
 
 def gives_vibrations(path: Path, suffix: str) -> bool:
     """Whether a file has vibrations at nodes, not matrices."""
-    return suffix in (*UNIVERSAL, BINARY, ANSYS) or (suffix in NASTRAN and has_vibrations(path))
+    return suffix in SHAPES or (suffix in NASTRAN and has_vibrations(path))
 
 
-def read_vibrations(path: Path, node: int, direction: str, sensors: Sequence[int], mass_unit: str | None) -> FoundModes:
-    """The real vibrations of a universal file (data set 55, analysis type 2), or of results of Nastran or Ansys, at
-    nodes along x, y or z; of Nastran and Ansys in the systems of the nodes.
+@dataclass(frozen=True)
+class Told:
+    """What the user says of a file: the model's unit of mass; frequencies, Hz, and modal masses of all vibrations in
+    their order, or one mass, which the file may lack; and the name of the arrays of a mesh."""
 
-    mass_unit: of the model's consistent units; default from data set 164, else kg. Raises ImportError without the
-    reader, and ValueError if the file has no such vibrations, not all nodes, or none that moves the node.
+    mass_unit: str | None = None
+    frequencies: list[float] = field(default_factory=list)
+    modal_masses: list[float] = field(default_factory=list)
+    array: str | None = None
+
+
+def read_vibrations(path: Path, node: int, direction: str, sensors: Sequence[int], told: Told) -> FoundModes:
+    """The real vibrations of a universal file (data set 55, analysis type 2), of results of a program, or of a mesh, at
+    nodes along x, y or z; of results in the systems of the nodes.
+
+    The default unit of mass is that of data set 164, else kg. Raises ImportError without the reader, and ValueError if
+    the file has no such vibrations, not all nodes, or none that moves the node.
     """
-    nodes, unit, damping = [node, *sensors], ROOTS[mass_unit or "kg"], None
-    suffix = path.suffix.lower()
+    unit, suffix = ROOTS[told.mass_unit or "kg"], path.suffix.lower()
     if suffix in UNIVERSAL:
-        frequency, masses, moved, damping, unit = _universal(path, nodes, mass_unit)
+        found, unit = _universal(path, told.mass_unit)
+    elif suffix in MESHES:
+        found = _mesh(path, told.array)
     else:
-        read = read_op2 if suffix == BINARY else read_ansys if suffix == ANSYS else read_punch
-        frequency, masses, moved = read(path).at(path, nodes)
+        found = {BINARY: read_op2, ANSYS: read_ansys, PRINTED: read_dat}.get(suffix, read_punch)(path)
+    found.complete(path, told.frequencies, told.modal_masses)
+    frequency, masses, moved, damping = found.at(path, [node, *sensors])
     along, largest = DIRECTIONS.index(direction), np.abs(moved[:, 0]).max(axis=0)
     if largest[along] <= STILL * largest.max():
         others = [name for name, size in zip(DIRECTIONS, largest, strict=True) if size > STILL * largest.max()]
-        told = f"they move it along {' and '.join(others)}" if others else "nor in another direction: it is held"
-        raise ValueError(f"{path}: no vibration moves node {node} along {direction}; {told}")
+        said = f"they move it along {' and '.join(others)}" if others else "nor in another direction: it is held"
+        raise ValueError(f"{path}: no vibration moves node {node} along {direction}; {said}")
     if not (masses > 0.0).all():
         raise ValueError(f"{path}: a modal mass is {masses.min():g}, more than 0 is needed")
     shape = moved[:, :, along].T / np.sqrt(masses) * unit
-    return FoundModes(frequency, shape, damping, None, tuple(sensors))
+    place = found.places[node] if found.places else ()
+    return FoundModes(frequency, shape, damping, None, tuple(sensors), place=place)
+
+
+def _mesh(path: Path, array: str | None) -> ResultModes:
+    try:
+        return read_mesh(path, array)
+    except ModuleNotFoundError as error:
+        raise ImportError(f"{path}: {NEEDS.format('mesh', 'meshio', extra='modes')}") from error
 
 
 def read_ansys(path: Path) -> ResultModes:
@@ -148,7 +177,7 @@ def read_ansys(path: Path) -> ResultModes:
         if results._resultheader["kan"] != MODAL:
             return found
         for k, frequency in enumerate(results.time_values):
-            shape = found.add(path, k + 1, (2.0 * math.pi * float(frequency)) ** 2)
+            shape = found.add(path, k + 1, float(frequency))
             numbers, moved = results.nodal_solution(k)
             shape |= dict(zip(numbers.tolist(), map(tuple, moved[:, :3].tolist()), strict=True))
     except Exception as error:  # what it raises for other files is not documented
@@ -156,29 +185,27 @@ def read_ansys(path: Path) -> ResultModes:
     return found
 
 
-def _universal(path: Path, nodes: Sequence[int], mass_unit: str | None) -> tuple[Any, Any, Any, Any, float]:
-    """Frequencies, Hz, modal masses, displacements (vibration, node, x y z), damping ratios or None, √(mass unit)."""
+def _universal(path: Path, mass_unit: str | None) -> tuple[ResultModes, float]:
+    """The vibrations of a universal file, and √kg over the root of its unit of mass."""
     try:
         pyuff: Any = importlib.import_module("pyuff")
     except ImportError as error:
         raise ImportError(f"{path}: {NEEDS.format('universal', 'pyuff', extra='modes')}") from error
     try:
-        found = pyuff.UFF(str(path)).read_sets()
+        read = pyuff.UFF(str(path)).read_sets()
     except Exception as error:  # pyuff raises Exception itself
         raise ValueError(f"{path} cannot be read as a universal file: {error}") from None
-    sets = [found] if isinstance(found, dict) else list(found)
+    sets = [read] if isinstance(read, dict) else list(read)
     modes = [one for one in sets if one.get("type") == 55 and one.get("analysis_type") == 2 and "freq" in one]
     if not modes:
         raise ValueError(f"{path} has no real vibrations: data sets 55 of analysis type 2 are needed")
-    modes.sort(key=lambda one: float(one["freq"]))
-    damping = np.array([float(one.get("modal_damp_vis", 0.0)) for one in modes])
-    return (
-        np.array([float(one["freq"]) for one in modes]),
-        np.array([float(one["modal_m"]) for one in modes]),
-        np.array([_at_nodes(path, one, nodes) for one in modes]),
-        damping if damping.any() else None,
-        _root_of_mass(mass_unit, sets),
-    )
+    found = ResultModes()
+    for number, one in enumerate(modes, 1):
+        nodes = np.asarray(one["node_nums"]).astype(int).tolist()
+        moved = [np.real(np.asarray(one.get(f"r{k}", np.zeros(len(nodes))))).tolist() for k in (1, 2, 3)]
+        found.add(path, number, float(one["freq"])).update(zip(nodes, zip(*moved, strict=True), strict=True))
+        found.mass[number], found.damping[number] = float(one["modal_m"]), float(one.get("modal_damp_vis", 0.0))
+    return found, _root_of_mass(mass_unit, sets)
 
 
 def _root_of_mass(mass_unit: str | None, sets: Sequence[dict[str, Any]]) -> float:
@@ -187,16 +214,6 @@ def _root_of_mass(mass_unit: str | None, sets: Sequence[dict[str, Any]]) -> floa
         return ROOTS[mass_unit]
     units = next((one for one in sets if one.get("type") == 164), {"length": 1.0, "force": 1.0})
     return math.sqrt(units["force"] / units["length"])  # the unit of mass is length/force kg
-
-
-def _at_nodes(path: Path, mode: dict[str, Any], nodes: Sequence[int]) -> Array:
-    """The deflection of a vibration at nodes, along x, y and z in the columns."""
-    numbers = np.asarray(mode["node_nums"]).astype(int).tolist()
-    for node in nodes:
-        if node not in numbers:
-            raise ValueError(f"{path}: the vibration at {float(mode['freq']):g} Hz has no node {node}")
-    places = [numbers.index(node) for node in nodes]
-    return np.stack([np.real(np.asarray(mode.get(f"r{k}", np.zeros(len(numbers)))))[places] for k in (1, 2, 3)], axis=1)
 
 
 def read_matrices(path: Path, mass: Path | None, damping: Path | None, number: int, sensors: Sequence[int],

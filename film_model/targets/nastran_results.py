@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import mmap
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import closing
 from pathlib import Path
 
 import numpy as np
 
-from film_model.targets.result_modes import ResultModes
+from film_model.targets.result_modes import ResultModes, frequency_of
 
 SHAPES, MASSES = ("OUG", "BOUG", "OPHIG", "BOPHIG"), ("LAMA", "BLAMA")
 """How the names of tables of eigenvectors, and of eigenvalues with modal masses, begin."""
@@ -57,7 +57,7 @@ def read_op2(path: Path) -> ResultModes:
                 if masses:
                     found.mass |= dict(zip(first, rows[:, MASS_ROW.index("modal mass")].tolist(), strict=True))
                 else:
-                    shape = found.add(path, int(codes[4]), float(numbers[5]))
+                    shape = found.add(path, int(codes[4]), frequency_of(float(numbers[5])))
                     shape |= {
                         node // 10: (x, y, z) for node, (x, y, z) in zip(first, rows[:, 2:5].tolist(), strict=True)
                     }
@@ -116,7 +116,7 @@ def has_vibrations(path: Path) -> bool:
 def read_punch(path: Path) -> ResultModes:
     """Of a punch file; its shapes are taken as normalised by mass. Raises ValueError for a line that is not as it
     should be."""
-    found, shape, inside = ResultModes(), dict[int, tuple[float, float, float]](), False
+    found, shape, inside = ResultModes(), dict[int, Sequence[float]](), False
     for line in path.read_text("latin-1").splitlines():
         words = line[:72].split()
         if line.startswith("$"):
@@ -124,7 +124,7 @@ def read_punch(path: Path) -> ResultModes:
             if line.startswith("$TITLE"):
                 inside = False
             elif inside and (match := _MODE.match(line)):
-                shape = found.add(path, int(match[2]), float(match[1]))
+                shape = found.add(path, int(match[2]), frequency_of(float(match[1])))
         elif inside and found.shape and words and words[0] != "-CONT-":
             try:
                 shape[int(words[0])] = (float(words[2]), float(words[3]), float(words[4]))

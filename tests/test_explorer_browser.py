@@ -524,6 +524,8 @@ def test_a_table_of_friction_is_shown_typed_and_shared(shown, tmp_path):
         window.fill(field, text)
         window.keyboard.press("Tab")
         assert window.get_attribute(field, "aria-invalid") == "true", text
+        said = "write a number, or pairs of a number and a rising speed, as in 0.5 at 0 m/s, 0.2 at 1 m/s"
+        assert window.inner_text(f"{field}-error") == said, text
     window.fill(field, "0.6 at 0, 0.1 at 200 mm/s")
     window.keyboard.press("Tab")
     window.wait_for_url(re.compile("friction=0.6"))

@@ -115,7 +115,9 @@ function typed(scene, input, text) {
   }
   const unit = UNITS[input.path] || input.unit;
   const found = parseValue(text, input.dimension, unit);
-  if (found.value === undefined) return found.error;
+  if (found.value === undefined) {
+    return input.path === "contact.friction" ? "write a number, or pairs of a number and a rising speed, as in 0.5 at 0 m/s, 0.2 at 1 m/s" : found.error;
+  }
   if (!inRange(input, found.value)) return `out of range: ${rangeText(input)}`;
   const [body, part] = input.path.split(".");
   if (part === "material" && found.value !== scene.values[input.path]) {

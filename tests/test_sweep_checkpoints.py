@@ -2,6 +2,8 @@
 
 import shutil
 import sys
+import threading
+import time
 
 import numpy as np
 import pytest
@@ -91,6 +93,27 @@ def test_blocks_in_whole_files_are_not_saved_and_a_damaged_file_is_written_again
         assert (0 in computed) is damaged and 39 in computed
         assert sorted(path.name for path in tmp_path.iterdir()) == ["before", "out.zarr"]
         shutil.rmtree(target)
+
+
+def test_the_cost_of_a_block_is_that_of_all_its_threads(tmp_path, monkeypatch):
+    """Blocks whose own threads compute, as those of impacts on vibrations do, are worth saving."""
+    costs, block = [], compute_block
+
+    def with_threads(sweep, of):
+        def burn():
+            while time.thread_time() < 0.02:
+                pass
+
+        thread = threading.Thread(target=burn)
+        thread.start()
+        thread.join()
+        return block(sweep, of)
+
+    monkeypatch.setattr("film_datasets.sweeps.computed_blocks.compute_block", with_threads)
+    monkeypatch.setattr(Checkpoint, "save", lambda *given: costs.append(given[-1]))
+    monkeypatch.setattr("film_datasets.sweeps.blocks.BLOCK_IMPACTS", 10)
+    fd.sweep(SCENE, OVER, output=tmp_path / "out.nc", workers=1).close()
+    assert len(costs) == 4 and min(costs) >= 0.02
 
 
 def test_a_link_as_output_is_refused(tmp_path):

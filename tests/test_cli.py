@@ -54,6 +54,20 @@ def test_every_command_is_in_the_help_once_and_a_similar_one_is_suggested(capsys
     assert 'film-model: error: "runn" is no command; did you mean "run"?' in capsys.readouterr().err
 
 
+def test_a_similar_option_is_suggested(capsys):
+    for given, said in (
+        (
+            ["--acuracy", "1e-4"],
+            'film-model run: error: unrecognized arguments: --acuracy 1e-4; did you mean "--accuracy"?',
+        ),
+        (["--acuracy=1e-4"], 'unrecognized arguments: --acuracy=1e-4; did you mean "--accuracy"?'),
+        (["another.toml"], "unrecognized arguments: another.toml\n"),
+    ):
+        with pytest.raises(SystemExit) as stopped:
+            main(["run", str(BALL), *given])
+        assert stopped.value.code == 2 and said in capsys.readouterr().err
+
+
 def test_json(capsys):
     status, out, _ = run(capsys, "run", BALL, "--json", "--accuracy", "1e-8")
     table = json.loads(out)

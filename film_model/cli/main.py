@@ -9,6 +9,7 @@ from __future__ import annotations
 import argparse
 import io
 import os
+import re
 import sys
 from collections.abc import Sequence
 from contextlib import AbstractContextManager, nullcontext
@@ -55,7 +56,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if not given:
         parser().print_help(sys.stderr)
         sys.exit(WRONG)
-    options = parser(*given[:1]).parse_args(given)
+    options, unknown = parser(*given[:1]).parse_known_args(given)
+    if unknown:
+        hint = did_you_mean(unknown[0].partition("=")[0], re.findall(r"--[a-z-]+", options.parser.format_usage()))
+        options.parser.error(f"unrecognized arguments: {' '.join(unknown)}{hint}")
     if isinstance(sys.stdout, io.TextIOWrapper):
         sys.stdout.reconfigure(errors="replace")  # "?" for characters that the encoding lacks
 

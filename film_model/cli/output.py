@@ -30,7 +30,7 @@ class Commands:
         """The parser of one more command; `run` does its work and returns the exit status."""
         self.about[name] = about
         parser = self._commands.add_parser(name, description=f"{about[:1].upper()}{about[1:]}.")
-        parser.set_defaults(command=run)
+        parser.set_defaults(command=run, parser=parser)
         return parser
 
 

@@ -238,10 +238,11 @@ class Structure(AbstractTarget):
             return no_effect("the structure has no vibrations: it moves as a rigid body")
         if self.static_compliance is None:
             lacking, reason = float(np.sum(modes.share)) / highest**2, "static_compliance would include them statically"
+            remedy = "needs more vibrations, or static_compliance"
         else:
             lacking = (self.static_compliance - modes.compliance) * (rate / highest) ** 2
-            reason = "they follow the force statically"
+            reason, remedy = "they follow the force statically", "needs more vibrations"
         moved = pulse_response(self.modes, self.compliance, duration)
         size = min(lacking / (contact + moved), 1.0)
         said = f"the vibrations end at {highest / HERTZ:.4g} Hz, the contact lasts {duration:.3g} s or more; {reason}"
-        return Estimate(said, highest / rate, None, size, remedy="needs more vibrations, or static_compliance")
+        return Estimate(said, highest / rate, None, size, remedy=remedy)

@@ -84,6 +84,12 @@ BAD_LINES = [
     ('radius = "10 mm"', 'diametre = "20 mm"', 's.toml:3: impactor.diametre: unknown key; did you mean "diameter"?'),
     ('radius = "10 mm"', 'radius = "10 milimeter"', '(did you mean "millimeter"?), a length is needed'),
     ('velocity = "0.25 m/s"', 'velocity = "-1 m/s"', 's.toml:5: impactor.velocity: "-1 m/s" must be >= 0'),
+    (
+        'velocity = "0.25 m/s"',
+        'velocity = "9 m/s"\nangle = "95 deg"',
+        's.toml:6: impactor.angle: "95 deg" is out of range: from 0 to 89.9544 deg',
+    ),
+    ('law = "auto"', 'friction = "rough"', 's.toml:15: contact.friction: "rough" is not a number'),
     ('velocity = "0.25 m/s"', 'velocity = "90 km/s"', 's.toml:5: impactor.velocity: "90 km/s" is out of range'),
     (
         'velocity = "0.25 m/s"',

@@ -177,7 +177,10 @@ def test_a_row_written_as_a_tree_is_the_same_row():
         (('name = "stem"', 'behind = "stem"'), 'bodies[2].behind: "stem" is no name of a body before it'),
         (('velocity = "1 m/s"', 'angle = "5 deg"'), "chain:5: bodies[1].angle: is not for the first body"),
         (('count = 3\nradius = "10 mm"', 'name = "stem"\nradius = "10 mm"'), '"stem" is the name of bodies[2], too'),
-        (('angle = "30 deg"', 'angle = "90 deg"'), 'bodies[3].angle: "90 deg" is out of range: from -1.57 to 1.57 rad'),
+        (
+            ('angle = "30 deg"', 'angle = "90 deg"'),
+            'bodies[3].angle: "90 deg" is out of range: from -89.9544 to 89.9544 deg',
+        ),
         (('angle = "30 deg"', 'front_gap = "-1 mm"'), 'bodies[3].front_gap: "-1 mm" must be >= 0'),
     ],
 )

@@ -109,6 +109,8 @@ class _Measure:
             raise ValueError(f"{shown(value)} must be {'>=' if low == 0 and not self.open_ends else '>'} 0")
         if not (low < result < high if self.open_ends else low <= result <= high):
             unit = scene_unit(self.dimension)
+            if self.dimension == "angle":
+                low, high, unit = math.degrees(low), math.degrees(high), "deg"
             between = "between" if self.open_ends else "from"
             and_ = "and" if self.open_ends else "to"
             raise ValueError(f"{shown(value)} is out of range: {between} {low:g} {and_} {high:g} {unit}".rstrip())

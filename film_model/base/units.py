@@ -214,7 +214,7 @@ def _convert(value: object, powers: Powers, need: str, bare: bool) -> float:
             raise ValueError(f"{shown(value)} has no unit, {need}")
         result = _scalar(value, need)
     else:
-        raise ValueError(f"{shown(value)} is not a number with a unit, {need}")
+        raise ValueError(f"{shown(value)} is not a number{'' if bare else ' with a unit'}, {need}")
     if not math.isfinite(result):
         raise ValueError(f"{shown(value)} is not finite, {need}")
     return result
@@ -223,7 +223,7 @@ def _convert(value: object, powers: Powers, need: str, bare: bool) -> float:
 def _read(text: str, powers: Powers, need: str, bare: bool) -> float:
     match = _NUMBER.fullmatch(text)
     if match is None or len(text) > 200:
-        raise ValueError(f"{shown(text)} {_misread(text)}, {need}")
+        raise ValueError(f"{shown(text)} {_misread(text, bare)}, {need}")
     number, unit = match[1], match[2].strip()
     if not unit:
         if not bare:
@@ -232,7 +232,7 @@ def _read(text: str, powers: Powers, need: str, bare: bool) -> float:
     try:
         factor, found = parse_unit(unit.translate(_SPELLINGS))
     except ValueError as error:
-        reason = _misread(text) if _MISREAD.search(text) else f"is not understood: {error}"
+        reason = _misread(text, bare) if _MISREAD.search(text) else f"is not understood: {error}"
         raise ValueError(f"{shown(text)} {reason}, {need}") from None
     if found != powers:
         raise ValueError(f"{shown(text)} {_described(found, unit)}, {need}")
@@ -243,8 +243,8 @@ def _read(text: str, powers: Powers, need: str, bare: bool) -> float:
 _MISREAD = re.compile(r"[,−±]|\+/-|\+-|\b(?:inf|nan)\b", re.IGNORECASE)
 
 
-def _misread(text: str) -> str:
-    """Why a text is not a number with a unit."""
+def _misread(text: str, bare: bool) -> str:
+    """Why a text is not a number with a unit; bare: or without."""
     if not text.strip():
         return "is empty"
     found = _MISREAD.search(text)
@@ -255,7 +255,8 @@ def _misread(text: str) -> str:
         "inf": "is not finite",
         "nan": "is not a number",
     }
-    default = reasons["±"] if found else 'is not a number and a unit, like "10 mm"'
+    neither = "is not a number" if bare else 'is not a number and a unit, like "10 mm"'
+    default = reasons["±"] if found else neither
     return reasons.get(found[0].lower(), default) if found else default
 
 

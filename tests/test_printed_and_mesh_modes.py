@@ -327,6 +327,8 @@ def test_wrong_meshes(mesh, tmp_path, capsys):
     (tmp_path / "text.med").write_text("no MED")
     (tmp_path / "text.pvd").write_text("<no")
     (tmp_path / "other.pvd").write_text('<V><DataSet timestep="1" file="one.pvtu"/></V>')
+    parts = "".join(f'<DataSet timestep="9" part="{part}" file="good.vtu"/>' for part in (0, 1))
+    (tmp_path / "parts.pvd").write_text(f"<V>{parts}</V>")
     mesh(ids=NODES).write(tmp_path / "none.vtu")
     two = ["--frequencies", "1,2", "--modal-masses", "1"]
     for name, arguments, said in (
@@ -348,6 +350,7 @@ def test_wrong_meshes(mesh, tmp_path, capsys):
         ("text.med", two, "text.med cannot be read as a mesh: "),
         ("text.pvd", two, "text.pvd cannot be read as a mesh: "),
         ("other.pvd", two, "other.pvd cannot be read as a mesh: files .pvtu in it are not read"),
+        ("parts.pvd", two, "parts.pvd cannot be read as a mesh: it lists meshes in parts, whole ones are needed"),
         ("gone.vtk", two, "gone.vtk: No such file or directory"),
         ("good.exo", two, "good.exo: files of Exodus are not read: a universal file"),
     ):

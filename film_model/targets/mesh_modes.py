@@ -70,13 +70,12 @@ def read_mesh(path: Path, array: str | None) -> ResultModes:
             rows = np.asarray(values)
             if rows.dtype.kind != "f" or rows.ndim != 2 or rows.shape[1] < 2:
                 continue
+            stem, number, at = name, k, time
             if len(steps) == 1 and (match := _STEP.fullmatch(name)):
-                name, number, time = match[1], int(match[2]), float(match[3])
+                stem, number, at = match[1], int(match[2]), float(match[3])
             elif len(steps) == 1 and (match := _NUMBERED.fullmatch(name)):
-                name, number = match[1] + match[3], int(match[2])
-            else:
-                number = k
-            vectors.setdefault(name, {})[number] = time, rows
+                stem, number = match[1] + match[3], int(match[2])
+            vectors.setdefault(stem, {})[number] = at, rows
     found = ResultModes(normalised=False, places=_Points(steps[0][1]) if steps else {})
     several = {name: own for name, own in vectors.items() if len(own) > 1} or vectors
     names = [name for name in several if array in (None, name)]
@@ -101,6 +100,8 @@ def _steps(path: Path) -> Iterator[_Step]:
     """The meshes of a file or series."""
     if path.suffix.lower() == SERIES:
         for entry in ElementTree.parse(path).getroot().iter("DataSet"):
+            if entry.get("part", "0") != "0":
+                raise ValueError("it lists meshes in parts, whole ones are needed")
             for _, points, data in _steps(path.parent / entry.attrib["file"]):
                 yield float(entry.attrib["timestep"]), points, data
         return

@@ -360,6 +360,19 @@ def test_wrong_meshes(mesh, tmp_path, capsys):
         assert said in error and error.count("\n") == 1 and not (tmp_path / "out.csv").exists(), error
 
 
+def test_options_of_other_files(tmp_path, capsys):
+    (tmp_path / "chain.dat").write_text(CALCULIX)
+    np.savez(tmp_path / "chain.npz", K=np.eye(2), M=np.eye(2))
+    for name, option, said in (
+        ("chain.dat", "--mass", "--mass: {} has vibrations: not allowed"),
+        ("chain.npz", "--frequencies", "--frequencies: {} has matrices: not allowed"),
+        ("chain.npz", "--modal-masses", "--modal-masses: {} has matrices: not allowed"),
+    ):
+        given = ["--node", "1", "--direction", "x", "--output", str(tmp_path / "out.csv"), option, "1"]
+        assert main(["modes", "read", str(tmp_path / name), *given]) == 3
+        assert said.format(tmp_path / name) in capsys.readouterr().err
+
+
 def test_without_meshio(monkeypatch, tmp_path, capsys):
     monkeypatch.setitem(sys.modules, "meshio", None)
     (tmp_path / "chain.vtu").write_text("anything")

@@ -62,7 +62,14 @@ def modes(options: argparse.Namespace) -> int:
     suffix = check_kind(path)
     if suffix not in MATRICES and options.direction is None:
         raise ValueError("--direction: missing: x, y or z is needed at a node")
-    if gives_vibrations(path, suffix):
+    shapes = gives_vibrations(path, suffix)
+    others = ("mass", "damping") if shapes else ("frequencies", "modal_masses", "array")
+    for name in others:
+        if getattr(options, name):
+            raise ValueError(
+                f"--{name.replace('_', '-')}: {path} has {'vibrations' if shapes else 'matrices'}: not allowed"
+            )
+    if shapes:
         frequencies, masses = (
             _values("--frequencies", options.frequencies),
             _values("--modal-masses", options.modal_masses),

@@ -402,7 +402,7 @@ def test_angles_of_many_impacts():
     assert "obliqueness" in swept.attrs["warnings"]
     with pytest.raises(fm.SceneError, match=r"Sphere\.angle: 30 has no unit, an angle is needed"):
         scene(angle=30)
-    with pytest.raises(fm.SceneError, match=r"from 0 to 1\.57 rad"):
+    with pytest.raises(fm.SceneError, match=r"from 0 to 89\.9544 deg"):
         scene(angle="90 deg")
 
 

@@ -2,32 +2,23 @@
 
 from __future__ import annotations
 
-from importlib import import_module
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
+
+from film_model.base.late import late_names
 
 if TYPE_CHECKING:
-    from fmu_wrapper.assumptions import served
-    from fmu_wrapper.checking import Report, check
-    from fmu_wrapper.cosimulation import run
-    from fmu_wrapper.exporting import export
-    from fmu_wrapper.ssp import Package, export_ssp
+    from fmu_wrapper.assumptions import served as served
+    from fmu_wrapper.checking import Report as Report
+    from fmu_wrapper.checking import check as check
+    from fmu_wrapper.cosimulation import run as run
+    from fmu_wrapper.exporting import export as export
+    from fmu_wrapper.ssp import Package as Package
+    from fmu_wrapper.ssp import export_ssp as export_ssp
 
-_HOMES = {
-    "Package": "fmu_wrapper.ssp",
-    "Report": "fmu_wrapper.checking",
-    "check": "fmu_wrapper.checking",
-    "export": "fmu_wrapper.exporting",
-    "export_ssp": "fmu_wrapper.ssp",
-    "run": "fmu_wrapper.cosimulation",
-    "served": "fmu_wrapper.assumptions",
-}
-
-__all__ = ["Package", "Report", "check", "export", "export_ssp", "run", "served"]
-
-
-def __getattr__(name: str) -> Any:
-    if name not in _HOMES:
-        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    value = getattr(import_module(_HOMES[name]), name)
-    globals()[name] = value
-    return value
+__getattr__ = late_names(
+    __name__,
+    {
+        **{"assumptions": ("served",), "checking": ("Report", "check"), "cosimulation": ("run",)},
+        **{"exporting": ("export",), "ssp": ("Package", "export_ssp")},
+    },
+)

@@ -1,13 +1,38 @@
-"""What is imported when it is first used: the classes of a list, and methods of packages above a class."""
+"""What is imported when it is first used: names of a package, classes of a list, methods of packages above a class."""
 
 from __future__ import annotations
 
+import sys
 from collections import UserDict
+from collections.abc import Callable, Mapping
 from importlib import import_module
+from importlib.util import find_spec
 from types import MethodType
 from typing import Any, TypeVar
 
 T = TypeVar("T")
+
+
+def late_names(package: str, homes: Mapping[str, tuple[str, ...]]) -> Callable[[str], Any]:
+    """The `__getattr__` of a package: its public names, `__all__` and its modules.
+
+    homes: the names by the modules of the package that have them, "name as public_name" where it has another there.
+    """
+    places = {name.rpartition(" ")[2]: (module, name.partition(" ")[0]) for module in homes for name in homes[module]}
+
+    def found(name: str) -> Any:
+        if name == "__all__":
+            return sorted(places)
+        if name in places:
+            module, own = places[name]
+            value = getattr(import_module(f"{package}.{module}"), own)
+            setattr(sys.modules[package], name, value)
+            return value
+        if name.startswith("_") or find_spec(f"{package}.{name}") is None:
+            raise AttributeError(f"module {package!r} has no attribute {name!r}")
+        return import_module(f"{package}.{name}")
+
+    return found
 
 
 class LateClasses(UserDict[str, type[T]]):
@@ -30,6 +55,11 @@ class LateClasses(UserDict[str, type[T]]):
 
     def __repr__(self) -> str:
         return f"<{self._package}: {', '.join(self)}>"
+
+    @property
+    def class_names(self) -> list[str]:
+        """The names of the classes, none of which is imported."""
+        return [_class_name(name) for name in self]
 
     def called(self, class_name: str) -> type[T]:
         """The class of this name, for a package's `__getattr__`; AttributeError if there is none."""

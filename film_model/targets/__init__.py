@@ -1,7 +1,6 @@
 """What the impactor hits: one kind of target per file, and the list `TARGETS`.
 
-To add a kind (docs/adding_a_target.md): its file, its name in `TARGETS`, and for editors and `from film_model import *`
-its import here and its class in `__all__`.
+To add a kind (docs/adding_a_target.md): its file, its name in `TARGETS`, and for editors its import here.
 """
 
 from __future__ import annotations
@@ -14,34 +13,19 @@ from film_model.targets.modes import Modes
 from film_model.targets.target import AbstractTarget, Estimate, Impact
 
 if TYPE_CHECKING:
-    from film_model.targets.beam import Beam
-    from film_model.targets.body import Body
-    from film_model.targets.half_space import HalfSpace
-    from film_model.targets.plate import Plate
-    from film_model.targets.rod import Rod
-    from film_model.targets.structure import Structure
+    from film_model.targets.beam import Beam as Beam
+    from film_model.targets.body import Body as Body
+    from film_model.targets.half_space import HalfSpace as HalfSpace
+    from film_model.targets.plate import Plate as Plate
+    from film_model.targets.rod import Rod as Rod
+    from film_model.targets.structure import Structure as Structure
 
 TARGETS: LateClasses[AbstractTarget] = LateClasses(
     __name__, ("half-space", "plate", "beam", "rod", "body", "structure")
 )
 """Every kind of target by its name in scene files. Readers, messages and pages are made from it."""
 
+__getattr__ = TARGETS.called
 
-def __getattr__(name: str) -> type[AbstractTarget]:
-    return TARGETS.called(name)
-
-
-__all__ = [
-    "TARGETS",
-    "AbstractTarget",
-    "Beam",
-    "BendingStiffness",
-    "Body",
-    "Estimate",
-    "HalfSpace",
-    "Impact",
-    "Modes",
-    "Plate",
-    "Rod",
-    "Structure",
-]
+__all__ = ["TARGETS", "AbstractTarget", "BendingStiffness", "Estimate", "Impact", "Modes"]
+__all__ += TARGETS.class_names  # pyright: ignore[reportUnsupportedDunderAll]

@@ -26,30 +26,11 @@ class Values:
     values: NDArray[Any]
     attrs: dict[str, Any]
 
-    @property
-    def dtype(self) -> Any:
-        """The type of its values."""
-        return self.values.dtype
-
-    @property
-    def ndim(self) -> int:
-        """The number of its dimensions."""
-        return self.values.ndim
-
-    @property
-    def shape(self) -> tuple[int, ...]:
-        """The number of values along each dimension."""
-        return self.values.shape
-
-    @property
-    def size(self) -> int:
-        """The number of its values."""
-        return self.values.size
-
-    @property
-    def nbytes(self) -> int:
-        """Bytes of its values."""
-        return self.values.nbytes
+    def __getattr__(self, name: str) -> Any:
+        """What a variable of xarray has of its values: dtype, ndim, shape, size and nbytes."""
+        if name not in ("dtype", "ndim", "shape", "size", "nbytes"):
+            raise AttributeError(name)
+        return getattr(self.values, name)
 
 
 @dataclass(frozen=True)

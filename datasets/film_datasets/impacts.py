@@ -5,7 +5,7 @@ The rest of film_datasets sees plain arrays with one value per impact.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, fields
 from typing import Any
@@ -15,12 +15,13 @@ from numpy.typing import NDArray
 
 from film_datasets.friction_dataset import ERROR, REGIME
 from film_model.base.arrays import Array, Index, index_or_all, index_or_span
-from film_model.base.errors import SceneError
+from film_model.base.errors import SceneError, SimulationError
 from film_model.core import native
 from film_model.core.records import Rows, record_many, recorded, sample_many
 from film_model.effects.choose import problem_of
 from film_model.effects.edge_effects import edged, infinite_unless_judged
 from film_model.effects.many import rows_of
+from film_model.oblique.result import OBLIQUE
 from film_model.problem.problem import Problem, refuse_relaxation
 from film_model.problem.scales import Scales, motion_of
 from film_model.problem.summary import gains_energy, gains_from_weight
@@ -216,6 +217,19 @@ def simulate_impacts(scene: Scene, numbers: Mapping[str, Array]) -> Impacts:
         friction = {**sliding.summary, REGIME: sliding.regime, ERROR: sliding.estimated}
     known = (scene, found.summary, found.status, found.laws, law, zener_number, gains, faster)
     return Impacts(*known, found.estimated, friction, found.problems, found.segments, found.followed)
+
+
+def results_of(scene: Scene, numbers: Mapping[str, Array], names: Sequence[str]) -> dict[str, Array]:
+    """Results `names` of impacts in which some numbers vary, SI by path; NaN where there is none.
+
+    Raises SimulationError if friction is not given.
+    """
+    asked = [name for name in names if name in OBLIQUE]
+    if asked and scene.contact.friction is None and "contact.friction" not in numbers:
+        raise SimulationError(f"{', '.join(asked)}: friction in [contact] is needed, with a value to begin with")
+    found = simulate_impacts(scene, numbers)
+    together = {**found.summary, **found.friction}
+    return {name: together[name] for name in names}
 
 
 def sample_closed_form(scene: Scene, form: ClosedForm, units: Mapping[str, float], times: Array) -> dict[str, Array]:

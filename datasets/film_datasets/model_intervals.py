@@ -32,7 +32,7 @@ def sweep_intervals(ds: xr.Dataset, sweep: Sweep) -> xr.Dataset:
     require(ds, names)
     status = ds["status"]
     family = np.full(status.size, NONE, np.int8)
-    for rows, scene, numbers in parts_of(ds, sweep):
+    for scene, rows, numbers in parts_of(ds, sweep):
         for first in range(0, rows.size, BLOCK):
             places = rows[first : first + BLOCK]
             own = {path: values[first : first + BLOCK] for path, values in numbers.items()}

@@ -82,11 +82,7 @@ class BatchResult:
     oblique: dict[str, NDArray[Any]]
     _many: ManyResult = field(repr=False, compare=False)
 
-    if TYPE_CHECKING:
-
-        def _repr_html_(self) -> str: ...
-    else:
-        _repr_html_ = Late("film_model.methods:batch_as_html")
+    _repr_html_ = Late("film_model.methods:batch_as_html")
 
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, BatchResult) or self.segments != other.segments:

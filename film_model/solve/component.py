@@ -5,7 +5,7 @@ from __future__ import annotations
 import warnings as python_warnings
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -132,11 +132,7 @@ class ImpactComponent:
         _warn(unused_options(solver, "the contact of viscoelastic bodies is solved"))
         return OnMemory(self.problem, tolerance_for(self.problem, solver.accuracy or DEFAULT_ACCURACY))
 
-    if TYPE_CHECKING:
-
-        def _repr_html_(self) -> str: ...
-    else:
-        _repr_html_ = Late("film_model.methods:component_as_html")
+    _repr_html_ = Late("film_model.methods:component_as_html")
 
     def __repr__(self) -> str:
         return f"ImpactComponent(law {self.problem.law.name}, {self.phase} at {self.time:g} s)"

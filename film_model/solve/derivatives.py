@@ -6,7 +6,7 @@ import math
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -78,11 +78,7 @@ class Derivatives:
     _along: Slopes | None = field(compare=False)
     _choice: Choice = field(compare=False)
 
-    if TYPE_CHECKING:
-
-        def _repr_html_(self) -> str: ...
-    else:
-        _repr_html_ = Late("film_model.methods:derivatives_as_html")
+    _repr_html_ = Late("film_model.methods:derivatives_as_html")
 
     def __repr__(self) -> str:
         first, *others = self.entries

@@ -66,20 +66,15 @@ class Totals:
 
     def add(self, columns: Columns) -> None:
         """Add the columns of a block."""
-        self.estimated = np.maximum(self.estimated, columns[ESTIMATED])
-        self.missed += columns[MISSED]
-        self.energy_gains += columns[ENERGY_GAINS]
-        self.faster += int(columns[FASTER][0])
         failed = has_failed(columns["status"])
-        self.failed.update(columns["status"][failed].tolist())
         counts = [columns[name] for name in ("segment_count", "step_count") if name in columns]
-        if counts:
-            self.unkept += int(np.count_nonzero((np.sum(counts, axis=0) == 0) & ~failed))
-        for path, sides in self.sides.items():
-            sides.update(columns[side_name(path)][~failed].tolist())
+        unkept = int(np.count_nonzero((np.sum(counts, axis=0) == 0) & ~failed)) if counts else 0
+        sides = {path: Counter(columns[side_name(path)][~failed].tolist()) for path in self.sides}
+        ended = Counter(columns["status"][failed].tolist()), sides, unkept, int(columns[FASTER][0])
+        self.merge(Totals(columns[ESTIMATED], columns[MISSED], columns[ENERGY_GAINS], *ended))
 
     def merge(self, other: Totals) -> None:
-        """Add the totals of later blocks."""
+        """Add the totals of other blocks."""
         self.estimated = np.maximum(self.estimated, other.estimated)
         self.missed += other.missed
         self.energy_gains += other.energy_gains

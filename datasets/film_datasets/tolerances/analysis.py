@@ -9,8 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from film_datasets.impacts import scene_with_numbers
-from film_datasets.oblique_impacts import RESULTS, results_of
+from film_datasets.impacts import results_of, scene_with_numbers
 from film_datasets.sweeps.axis import Axis
 from film_datasets.sweeps.definition import Sweep
 from film_datasets.sweeps.designs import points
@@ -23,6 +22,7 @@ from film_model.base.errors import SimulationError
 from film_model.base.units import format_si, quantity, si_unit
 from film_model.oblique.result import OBLIQUE
 from film_model.scene import Scene
+from film_model.solve.derivatives import RESULTS
 from film_model.solve.simulate import simulate_quietly
 
 SHOWN = ("maximum_force", "maximum_indentation", "contact_duration", "coefficient_of_restitution")

@@ -7,11 +7,12 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.polynomial.hermite_e import hermegauss
 
-from film_datasets.oblique_impacts import RESULTS, results_of
+from film_datasets.impacts import results_of
 from film_datasets.sweeps.axis import Axis
 from film_datasets.sweeps.definition import Sweep
 from film_model.base.arrays import Array
 from film_model.base.errors import Mistake, SceneError, did_you_mean, shown
+from film_model.solve.derivatives import RESULTS
 
 _WORDS = "has words, a tolerance needs a number with a distribution: keep one word in the scene"
 

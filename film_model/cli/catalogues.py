@@ -1,4 +1,4 @@
-"""film-model explain, cite, laws, materials: what applies to a scene, and what there is to choose from."""
+"""film-model new, explain, cite, laws, materials: a scene to begin with, what applies to it, what to choose from."""
 
 from __future__ import annotations
 
@@ -6,11 +6,90 @@ import argparse
 from typing import TYPE_CHECKING, Any
 
 import film_model.plot as pictures
-from film_model.cli.output import DONE, Commands, add_common, add_scene, give, print_json, read_scene
+from film_model.base.files import write_text
+from film_model.cli.output import (
+    DONE,
+    Commands,
+    add_common,
+    add_scene,
+    check_writable,
+    give,
+    print_json,
+    print_written,
+    read_scene,
+)
 
 if TYPE_CHECKING:
     from film_model.base.materials import Material
     from film_model.laws import AbstractLaw
+
+TARGETS = {
+    "half-space": """\
+material = "mild steel"         # "film-model materials" lists the names
+# or a table of your own values:
+# material = { youngs_modulus = "210 GPa", poissons_ratio = 0.3, density = "7850 kg/m^3", yield_strength = "250 MPa" }
+""",
+    "plate": """\
+material  = "mild steel"
+thickness = "4 mm"
+size      = ["150 mm", "100 mm"] # without it the plate is infinite
+# edges    = "clamped"          # default "simply supported"; one word, or one for each of the four edges
+# position = ["50 mm", "30 mm"] # of the impact, from a corner; default the middle
+# damping_ratio = 0.01          # of the natural vibrations
+""",
+    "rod": """\
+material = "mild steel"
+diameter = "20 mm"              # or area, of any cross-section
+# length  = "1 m"               # without it no waves return from the far end
+# far_end = "fixed"             # default "free"
+""",
+    "beam": """\
+material  = "mild steel"
+length    = "300 mm"
+width     = "20 mm"
+thickness = "10 mm"
+# ends     = "clamped"          # default "simply supported"; also "cantilever", or one word for each end
+# position = "100 mm"           # of the impact, from one end; default the middle
+""",
+    "body": """\
+radius   = "20 mm"              # of its surface at the contact
+material = "mild steel"
+# mass     = "250 g"            # default density × sphere volume
+# velocity = "-1 m/s"           # in the impactor's direction; default 0
+""",
+    "structure": """\
+material   = "mild steel"       # of the surface that is struck
+frequency  = ["180 Hz", "410 Hz"] # natural vibrations that move the point of impact
+modal_mass = ["0.9 kg", "1.4 kg"] # of each, if the point of impact moves by 1; or file = "modes.csv" for both
+# damping_ratio = 0.01
+""",
+}
+"""Entries of [target] by kind."""
+
+SCENE = """\
+# A scene of film-model: simulate it with "film-model run FILE", see what matters with "film-model explain FILE".
+# Every quantity is a text with its unit.
+title = "Ball on a {kind}"
+
+[impactor]
+radius   = "10 mm"              # of the contacting surface, or diameter; or shape = "cone", …
+velocity = "1 m/s"              # towards the target, or drop_height = "50 mm"
+material = "bearing steel"
+# mass  = "32 g"                # default density × sphere volume
+# angle = "20 deg"              # to the normal; with friction = 0.2 in [contact] sliding and spin, too
+
+[target]
+kind = "{kind}"
+{target}
+[contact]
+law = "auto"                    # hertz below yield, elastoplastic above; "film-model laws" lists all
+
+[effects]
+tolerance = 0.01                # an effect that changes a result by more is simulated, or causes a warning
+
+[solver]
+accuracy = 1e-4                 # relative, of every summary value
+"""
 
 
 def add_commands(commands: Commands) -> None:
@@ -31,6 +110,11 @@ def add_commands(commands: Commands) -> None:
     parser.add_argument("name", nargs="?", help="show this one, with the sources of its values")
     parser.add_argument("--search", metavar="WORD", help="list only materials whose name contains this")
     add_common(parser, force="")
+
+    parser = commands.add("new", "write a commented scene file to begin with", new)
+    parser.add_argument("--kind", choices=tuple(TARGETS), default="half-space", help="of target (default: half-space)")
+    parser.add_argument("--output", metavar="FILE.toml", help="write to this file (default: standard output)")
+    add_common(parser, json=False)
 
 
 def explain(options: argparse.Namespace) -> int:
@@ -140,3 +224,14 @@ def _print_material(found: Material) -> None:
             print(f"  {key.replace('_', ' '):26}{text}")
     for source in found.source.split("; "):
         print(f"  {'source':26}{source}")
+
+
+def new(options: argparse.Namespace) -> int:
+    text = SCENE.format(kind=options.kind, target=TARGETS[options.kind])
+    if options.output is None:
+        print(text, end="")
+        return DONE
+    check_writable(options.output, options.force)
+    write_text(options.output, text)
+    print_written(options.output)
+    return DONE

@@ -20,19 +20,12 @@ from film_model.cli.output import DONE, FAILED, WRONG, Commands, check_pictures
 from film_model.version import __version__
 
 COMMANDS = {
-    "new": ("new",),
-    "run": ("run",),
-    "bounce": ("bounce",),
-    "spectrum": ("spectrum",),
+    "run": ("run", "bounce", "spectrum"),
     "studies": ("cost", "hard-cases", "validate", "reference-impacts", "score"),
-    "explore": ("explore", "export-page"),
-    "fmu": ("export-fmu", "export-ssp", "check-fmu"),
-    "engines": ("contact-for",),
-    "modes": ("modes",),
-    "datasets": ("sweep", "plot", "identify"),
-    "tolerance": ("tolerance",),
+    "programs": ("export-fmu", "export-ssp", "check-fmu", "contact-for", "modes", "explore", "export-page"),
+    "datasets": ("sweep", "plot", "identify", "tolerance"),
     "tables": ("check", "convert", "summarise", "table"),
-    "catalogues": ("explain", "laws", "cite", "materials"),
+    "catalogues": ("explain", "laws", "cite", "materials", "new"),
 }
 """Modules of `film_model.cli`, and the commands that each adds."""
 

@@ -1,15 +1,27 @@
-"""film-model run: simulate one scene, or of a file with sections [[bodies]] a chain of bodies."""
+"""film-model run, bounce, spectrum: one impact or a chain of bodies, all bounces of a ball, a spectrum."""
 
 from __future__ import annotations
 
 import argparse
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import film_model.plot as pictures
-from film_model.cli.output import Commands, add_common, add_scene, check_dataset, give_result, listed
+from film_model.cli.output import (
+    Commands,
+    add_common,
+    add_scene,
+    check_dataset,
+    check_writable,
+    give,
+    give_result,
+    listed,
+    read_scene,
+)
 
 if TYPE_CHECKING:
     from film_model.scene.chain import Chain
+    from film_model.solve.bounce import Bounce, Bounces
     from film_model.solve.chain_motion import ChainMotion
     from film_model.solve.history import History
 
@@ -22,9 +34,12 @@ SHORT = (
 )
 """Results without --verbose."""
 
+MOST_ROWS = 12
+"""Rows of the table without --verbose, half of them at its end."""
+
 
 def add_commands(commands: Commands) -> None:
-    """The command and its options."""
+    """The commands and their options."""
     parser = commands.add("run", "simulate the impact of a scene file, or a chain", run)
     add_scene(parser)
     parser.add_argument(
@@ -44,6 +59,21 @@ def add_commands(commands: Commands) -> None:
     )
     parser.add_argument("--verbose", action="store_true", help="print every result, event and effect")
     add_common(parser, plot="draw the history")
+
+    parser = commands.add("bounce", "all bounces of a ball under gravity, to rest", bounce)
+    add_scene(parser)
+    parser.add_argument("--resolution", metavar="LENGTH", help="a lower bounce is rest (default: 1e-6 of the fall)")
+    parser.add_argument("--accuracy", type=float, help="relative accuracy of the first impact, e.g. 1e-6")
+    parser.add_argument("--output", metavar="FILE", help="write all bounces: .nc, .zarr, .csv, .parquet or .mat")
+    parser.add_argument("--verbose", action="store_true", help="print every bounce")
+    add_common(parser, plot="draw height over time")
+
+    parser = commands.add("spectrum", "bandwidth of the force, and response of the structure over frequency", spectrum)
+    add_scene(parser)
+    parser.add_argument("--highest", metavar="FREQUENCY", help='e.g. "5 kHz" (default: twice the bandwidth)')
+    parser.add_argument("--accuracy", type=float, help="relative accuracy of the impact, e.g. 1e-6")
+    parser.add_argument("--output", metavar="FILE.csv", help="write frequencies and complex values")
+    add_common(parser, plot="draw the spectrum of the force, accelerances and strains")
 
 
 def run(options: argparse.Namespace) -> int:
@@ -222,3 +252,69 @@ def _head(name: str) -> str:
 def _shown(rows: list[tuple[str, dict[str, Any]]], most: int) -> list[tuple[str, dict[str, Any]]]:
     """The rows without the middle ones of more than `most`."""
     return rows if len(rows) <= most else [*rows[: most // 2], *rows[len(rows) - most // 2 :]]
+
+
+def bounce(options: argparse.Namespace) -> int:
+    from film_model.solve.bounce import bounce_quietly
+
+    check_dataset(options)
+    done = bounce_quietly(read_scene(options), resolution=options.resolution, accuracy=options.accuracy)
+    return give_result(options, done, lambda: _bounces_table(done, len(done.bounces) if options.verbose else MOST_ROWS))
+
+
+def _bounces_table(done: Bounces, most: int) -> str:
+    count = len(done.bounces)
+    waves = f" and waves in the {done.scene.target.kind}" if done.scene.effects.wave_losses is True else ""
+    lines = [done.scene.title or "Bounces", f"law {done.law}, with the weight{waves}; {done.outcome}", ""]
+    heads = ["time", "velocity", "rebound", "height", "force", "dent"]
+    if done.scene.contact.friction is not None:
+        heads += ["along", f"{'spin':>18}"]
+    lines.append(f"{'':5}{''.join(f'{head:>14}' for head in heads)}{'e':>9}")
+    for number, bounce in enumerate(done.bounces, 1):
+        if count <= most or number <= most // 2 or number > count - most // 2:
+            lines.append(f"{number:5}{_row(bounce, len(heads))}")
+        elif number == most // 2 + 1:
+            lines.append(f"  ... {count - 2 * (most // 2)} more")
+    return "\n".join(lines)
+
+
+def _row(bounce: Bounce, count: int) -> str:
+    from film_model.base.units import format_si
+
+    dent, along, spin = bounce.permanent_indentation, bounce.tangential_velocity, bounce.spin
+    cells = (
+        format_si(bounce.time, "time", 5),
+        format_si(bounce.velocity_before, "velocity"),
+        format_si(bounce.velocity_after, "velocity"),
+        format_si(bounce.height, "length"),
+        format_si(bounce.maximum_force, "force"),
+        "-" if dent is None else format_si(dent, "length"),
+        "-" if along is None else format_si(along, "velocity"),
+        f"{'-' if spin is None else format_si(spin, 'angular_frequency'):>18}",
+    )[:count]
+    return f"{''.join(f' {cell:>13}' for cell in cells)}{bounce.restitution:9.4f}"
+
+
+def spectrum(options: argparse.Namespace) -> int:
+    from film_model.base.units import format_si, to_si
+    from film_model.plot.spectrum import plot_spectrum
+    from film_model.solve.simulate import simulate_quietly
+    from film_model.solve.spectrum import FREQUENCIES
+
+    check_writable(options.output, options.force)
+    scene = read_scene(options)
+    history = simulate_quietly(scene, accuracy=options.accuracy)
+    frequencies = None
+    if options.highest is not None:
+        try:
+            highest = to_si(options.highest, "frequency")
+        except ValueError as error:
+            raise ValueError(f"--highest: {error}") from None
+        frequencies = [highest * (k + 1) / FREQUENCIES for k in range(FREQUENCIES)]
+    found = history.spectrum(frequencies)
+    title = scene.title or f"Impact on a {scene.target.kind}"
+    lasts = format_si(history.summary["contact_duration"] or 0.0, "time", 4)
+    falls = f"  force down by 10 dB at        {found.bandwidth / 1e3:.4g} kHz"
+    text = "\n".join([title, falls, f"  contact duration              {lasts}"])
+    draw = partial(plot_spectrum, found, title)
+    return give(options, lambda: text, found.to_dict, history.warnings, output=found.write, plot=draw)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import sys
 from functools import partial
 from typing import TYPE_CHECKING
 
@@ -19,6 +18,7 @@ from film_model.cli.output import (
     check_writable,
     give,
     listed,
+    print_note,
     read_scene,
 )
 
@@ -68,7 +68,7 @@ def cost(options: argparse.Namespace) -> int:
     check_dataset(options)
     one_thread()
     scene = read_scene(options)
-    done = study(scene, methods=options.method, progress=lambda name: print(f"timing {name}", file=sys.stderr))
+    done = study(scene, methods=options.method, progress=lambda name: print_note(f"timing {name}"))
 
     def write(path: str) -> None:
         import film_datasets
@@ -112,7 +112,7 @@ def hard_cases(options: argparse.Namespace) -> int:
     if not chosen:
         raise ValueError(f"--match: no case's name contains {options.match!r}")
     for case in chosen:
-        print(f"running {case.name}", file=sys.stderr)
+        print_note(f"running {case.name}")
         reports.append(report(case))
     good = all(r.finding.good for r in reports)
     table = {"good": good, "cases": [r.to_dict() for r in reports]}
@@ -174,7 +174,7 @@ def reference_impacts(options: argparse.Namespace) -> int:
 
     names = listed(options.cases) if options.cases is not None else None
     written = film_datasets.write_suite(
-        options.output, names, options.workers, lambda name: print(f"wrote {name}", file=sys.stderr)
+        options.output, names, options.workers, lambda name: print_note(f"wrote {name}")
     )
     print(f"{len(written)} cases in {options.output}")
     return DONE

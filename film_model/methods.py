@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from film_model.base.foreign import Dataset, Figure
 from film_model.base.text import Text, escaped
 from film_model.base.units import format_si
 from film_model.problem.summary import SUMMARY
@@ -22,9 +23,6 @@ from film_model.solve.bounce import COLUMNS, Bounces
 from film_model.solve.history import MOTION, History
 
 if TYPE_CHECKING:
-    import xarray as xr
-    from matplotlib.figure import Figure
-
     from film_model.solve.batch import BatchResult
     from film_model.solve.chain_motion import ChainMotion
     from film_model.solve.component import ImpactComponent
@@ -41,7 +39,7 @@ def plot(self: History, path: str | os.PathLike[str] | None = None) -> Figure:
     return plot_history(self, path)
 
 
-def to_dataset(self: History, samples: int = 201) -> xr.Dataset:
+def to_dataset(self: History, samples: int = 201) -> Dataset:
     """The impact as an xarray.Dataset: motion at evenly spaced times and at all events, summary and segments."""
     import film_datasets
 
@@ -108,7 +106,7 @@ def plot_bounces(self: Bounces, path: str | os.PathLike[str] | None = None) -> F
     return drawn(self, path)
 
 
-def bounces_to_dataset(self: Bounces) -> xr.Dataset:
+def bounces_to_dataset(self: Bounces) -> Dataset:
     """The bounces as an xarray.Dataset, a row for each."""
     import film_datasets
 
@@ -133,7 +131,7 @@ def plot_chain(self: ChainMotion, path: str | os.PathLike[str] | None = None) ->
     return drawn(self, path)
 
 
-def chain_to_dataset(self: ChainMotion, samples: int = 201) -> xr.Dataset:
+def chain_to_dataset(self: ChainMotion, samples: int = 201) -> Dataset:
     """The motion as an xarray.Dataset over body, contact and t: values of each, and samples while forces act."""
     import film_datasets
 

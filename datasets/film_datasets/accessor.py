@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,6 +30,7 @@ from film_datasets.schema import (
 from film_datasets.sweeps import Sweep, statistics
 from film_model.base import units
 from film_model.base.errors import shown
+from film_model.base.foreign import Dataset
 from film_model.base.units import to_si
 from film_model.core.native import EVENTS
 from film_model.plot.history import energies
@@ -38,9 +39,6 @@ from film_model.scene.paths import number_text
 from film_model.solve.closed_form import TABLES, ClosedForm
 from film_model.solve.history import MOTION, SUMMARY, Event, History
 from film_model.solve.simulate import simulate
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 
 class Film:
@@ -51,7 +49,7 @@ class Film:
     `impactor_velocity="0.5 m/s", contact_law="stronge"`.
     """
 
-    def __init__(self, ds: xr.Dataset) -> None:
+    def __init__(self, ds: Dataset) -> None:
         self._ds = ds
 
     @property
@@ -99,7 +97,7 @@ class Film:
             return history_of(self._ds)
         return simulate(self._impact_scene(where))
 
-    def sample(self, times: Any, **where: Any) -> xr.Dataset:
+    def sample(self, times: Any, **where: Any) -> Dataset:
         """Motion at any times: a dataset over t, SI.
 
         times: ["10 us", "20 us"], a pint quantity, or plain seconds; not before first touch. Of a sweep, `where`
@@ -125,7 +123,7 @@ class Film:
         data = {name: ("t", values, table[name]) for name, values in motion.items()}
         return xr.Dataset(data, coords={"t": ("t", t, table["t"])})
 
-    def intervals(self) -> xr.Dataset:
+    def intervals(self) -> Dataset:
         """How far measured values lie from those of a sweep or of a selection of its impacts.
 
         `coefficient_of_restitution_low` and `…_high` are the ends of the 90 % interval, NaN where there is none;
@@ -156,7 +154,7 @@ class Film:
             raise ValueError(f"{shown(name)} is no event: there are {', '.join(EVENTS[1:])}")
         return tuple(event for event in self.history(**where).events if name in (None, event.name))
 
-    def energies(self, times: Any, **where: Any) -> xr.Dataset:
+    def energies(self, times: Any, **where: Any) -> Dataset:
         """Energies of a history or of one impact at any times, J: `impactor`, of its motion; `contact`, the work that
         the contact force has done on the indentation; `target`, what has gone into the target.
 
@@ -193,7 +191,7 @@ class Film:
         """A matplotlib figure, written to `path` (.png, .svg, .pdf) if given; see `film_datasets.plot`."""
         return plot(self._ds, path, **options)
 
-    def quantify(self) -> xr.Dataset:
+    def quantify(self) -> Dataset:
         """The dataset with pint quantities as values; coordinates too if pint-xarray is installed.
 
         `film_datasets.write` accepts it and writes SI numbers.
@@ -247,7 +245,7 @@ class Film:
             raise KeyError(f"{dim} {shown(value)}: there are {', '.join(present)}")
         return present.index(str(value))
 
-    def _sample_all(self, t: NDArray[np.float64]) -> xr.Dataset:
+    def _sample_all(self, t: NDArray[np.float64]) -> Dataset:
         """Motion of all impacts, over their dimensions and t."""
         import xarray as xr
 
@@ -296,7 +294,7 @@ def _read_times(times: Any) -> NDArray[np.float64]:
     return t
 
 
-def _key(ds: xr.Dataset, sweep: Sweep) -> int:
+def _key(ds: Dataset, sweep: Sweep) -> int:
     """The scene key of the impacts that `sweep`, read from the dataset, describes."""
     return scene_key(str(ds.attrs["scene_toml"]), (axis.meaning for axis in sweep.axes))
 

@@ -4,23 +4,20 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from film_datasets.schema import dimension_of, flag_meanings, holds_text, swept_name, words_of
+from film_model.base.foreign import DataArray, Dataset, Figure
 from film_model.plot.style import COLOURS, prefixed_unit
-
-if TYPE_CHECKING:
-    import xarray as xr
-    from matplotlib.figure import Figure
 
 MOST_POINTS = 20_000
 """Points along a line, thinned evenly, or in a scatter plot, drawn at random."""
 
 
-def finite(array: xr.DataArray) -> Any:
+def finite(array: DataArray) -> Any:
     """The finite values; [0] if there are none."""
     values = array.values[np.isfinite(array.values)]
     return values if values.size else np.zeros(1)
@@ -39,7 +36,7 @@ def some_of(size: int, most: int) -> NDArray[np.int64]:
     return np.sort(np.random.default_rng(0).choice(size, most, replace=False, shuffle=False))
 
 
-def values_and_label(array: xr.DataArray) -> tuple[Any, str]:
+def values_and_label(array: DataArray) -> tuple[Any, str]:
     """Values in a unit with a suitable prefix, and the label of their axis."""
     if holds_text(array):
         return np.arange(array.size), plain(str(array.name))
@@ -59,7 +56,7 @@ def plain(name: str) -> str:
     return name.replace("_", " ").replace("$", r"\$")
 
 
-def format_axis(panel: Any, which: str, array: xr.DataArray, scaled: xr.DataArray | None = None) -> None:
+def format_axis(panel: Any, which: str, array: DataArray, scaled: DataArray | None = None) -> None:
     """Format the axis "x" or "y" of `array`: names as ticks, or a logarithmic scale with plain numbers.
 
     It is logarithmic if all values are > 0 and the largest is at least 30 times the smallest, 3 times in a geometric
@@ -88,7 +85,7 @@ def format_axis(panel: Any, which: str, array: xr.DataArray, scaled: xr.DataArra
         axis.set_minor_formatter(NullFormatter())
 
 
-def worded(ds: xr.Dataset, without: Sequence[str]) -> str | None:
+def worded(ds: Dataset, without: Sequence[str]) -> str | None:
     """The first swept quantity that has words, and is not one of `without`."""
     swept = map(swept_name, str(ds.attrs["swept"]).split())
     return next((name for name in swept if name not in without and ds[name].size > 1 and words_of(ds[name][:1])), None)
@@ -117,7 +114,7 @@ def add_legend(panel: Any, title: str) -> None:
         handle.set_alpha(1.0)
 
 
-def set_title(figure: Figure, ds: xr.Dataset, notes: Sequence[str] = ()) -> None:
+def set_title(figure: Figure, ds: Dataset, notes: Sequence[str] = ()) -> None:
     """The title of the dataset, and below it the notes."""
     title = str(ds.attrs["title"]).partition(": sweep over")[0]
     figure.suptitle(title.replace("$", r"\$"), fontsize=min(11.0, 620.0 / max(len(title), 1)), fontweight="bold")

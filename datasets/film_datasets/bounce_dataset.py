@@ -3,18 +3,15 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
 
 from film_datasets.provenance import PROGRAM, as_lines, choice_of, dataset_of, text_and_hash, warnings_of
 from film_datasets.schema import BOUNCES, TABLE
+from film_model.base.foreign import Dataset
 from film_model.effects.choose import problem_of
 from film_model.solve.bounce import Bounce, Bounces
 
-if TYPE_CHECKING:
-    import xarray as xr
 
-
-def bounce_dataset(bounces: Bounces, command: str = "film-model bounce") -> xr.Dataset:
+def bounce_dataset(bounces: Bounces, command: str = "film-model bounce") -> Dataset:
     """The bounces of a ball as a dataset of kind impact_bounces, SI."""
     scene = bounces.scene
     about = {
@@ -34,7 +31,7 @@ def bounce_dataset(bounces: Bounces, command: str = "film-model bounce") -> xr.D
     return dataset_of(BOUNCES, {v.name: bounces.column(v.name) for v in TABLE[BOUNCES]}, about, own)
 
 
-def bounces_of(ds: xr.Dataset) -> Bounces:
+def bounces_of(ds: Dataset) -> Bounces:
     """The bounces that a dataset was made from. Raises ValueError if the contact law was an object of Python."""
     rows = zip(*(ds[name].values.tolist() for name in Bounce._fields), strict=True)
     found = (Bounce(*values[:5], *(None if x != x else x for x in values[5:])) for values in rows)

@@ -2,22 +2,20 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from film_datasets.provenance import PROGRAM, as_lines, dataset_of, text_and_hash
 from film_datasets.schema import CHAIN, HISTORY
+from film_model.base.foreign import Dataset
 from film_model.scene.chain import Chain
 from film_model.solve.chain_motion import ChainMotion
 from film_model.solve.sensed import IN_CONTACT
 
-if TYPE_CHECKING:
-    import xarray as xr
 
-
-def chain_dataset(motion: ChainMotion, samples: int, command: str) -> xr.Dataset:
+def chain_dataset(motion: ChainMotion, samples: int, command: str) -> Dataset:
     """The motion of a chain as a dataset of kind impact_chain, SI."""
     if samples < 2:
         raise ValueError(f"samples: {samples} must be at least 2")
@@ -65,6 +63,6 @@ def _sampled(motion: ChainMotion, t: NDArray[np.float64]) -> dict[str, Any]:
     }
 
 
-def chain_in(ds: xr.Dataset) -> Chain:
+def chain_in(ds: Dataset) -> Chain:
     """The chain that a dataset of kind impact_chain is of."""
     return Chain.from_text(str(ds.attrs["scene_toml"]), "scene_toml", None)

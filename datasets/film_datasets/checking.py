@@ -3,17 +3,14 @@
 from __future__ import annotations
 
 import os
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from film_datasets.files import open_dataset
 from film_datasets.schema import BOUNCES, CHAIN, COST, HISTORY, MEASUREMENT, has_failed, kind_of, validate
+from film_model.base.foreign import Dataset
 from film_model.solve.history import SUMMARY
 from film_model.solve.simulate import simulate_quietly
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 
 def check(path: str | os.PathLike[str], rows: int = 10) -> list[str]:
@@ -45,7 +42,7 @@ def check(path: str | os.PathLike[str], rows: int = 10) -> list[str]:
         return found
 
 
-def _differences(ds: xr.Dataset, place: str) -> list[str]:
+def _differences(ds: Dataset, place: str) -> list[str]:
     """Values of one impact that a new simulation of its scene does not give."""
     try:
         scene = ds.film.scene()

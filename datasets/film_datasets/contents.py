@@ -8,11 +8,10 @@ from typing import TYPE_CHECKING, Any
 
 from numpy.typing import NDArray
 
+from film_model.base.foreign import Dataset
+
 if TYPE_CHECKING:
     import os
-
-    import xarray as xr
-
 
 COORDINATES = ("t", "sensor")
 """Variables of a history that are coordinates."""
@@ -43,7 +42,7 @@ class Contents:
     def __getitem__(self, name: str) -> Values:
         return self.variables[name]
 
-    def dataset(self) -> xr.Dataset:
+    def dataset(self) -> Dataset:
         """The same as a dataset of xarray."""
         import xarray as xr
 

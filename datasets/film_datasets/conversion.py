@@ -2,24 +2,20 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 from film_datasets.bounce_dataset import bounce_dataset
 from film_datasets.chain_dataset import chain_dataset
 from film_datasets.cost_dataset import cost_dataset
 from film_datasets.history_dataset import SAMPLES, history_dataset
+from film_model.base.foreign import Dataset
 from film_model.solve.bounce import Bounces
 from film_model.solve.chain_motion import ChainMotion
 from film_model.solve.history import History
 from film_model.studies.cost import Study
 
-if TYPE_CHECKING:
-    import xarray as xr
-
 
 def to_dataset(
     result: History | Bounces | ChainMotion | Study, samples: int = SAMPLES, command: str = "film_datasets.to_dataset"
-) -> xr.Dataset:
+) -> Dataset:
     """What film_model computed as an xarray.Dataset with the variables of `TABLE`, in SI, with CF 1.11 attributes.
 
     result: a history, bounces, a chain or a cost study. samples: of a history, the number of evenly spaced times from

@@ -3,22 +3,20 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from film_datasets.provenance import PROGRAM, choice_of, dataset_of, text_and_hash
 from film_datasets.schema import COST, flag_words
+from film_model.base.foreign import Dataset
 from film_model.effects.choose import problem_of
 from film_model.studies.cost import CostRun, Study
 from film_model.studies.reference import COMPARED
 from film_model.studies.timing import Timing
 
-if TYPE_CHECKING:
-    import xarray as xr
 
-
-def cost_dataset(study: Study, command: str = "film-model cost") -> xr.Dataset:
+def cost_dataset(study: Study, command: str = "film-model cost") -> Dataset:
     """A study of a scene as a dataset of kind impact_cost_study, SI."""
     runs = study.runs
     methods = list(dict.fromkeys(run.method for run in runs))
@@ -55,7 +53,7 @@ def cost_dataset(study: Study, command: str = "film-model cost") -> xr.Dataset:
     return dataset_of(COST, columns, about, own, meanings={"methods": flag_words(methods)})
 
 
-def study_of(ds: xr.Dataset) -> Study:
+def study_of(ds: Dataset) -> Study:
     """The study that a dataset was made from. Raises ValueError if the contact law was an object of Python."""
 
     def value_or_none(name: str, run: int) -> float | None:

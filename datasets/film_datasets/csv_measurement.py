@@ -9,20 +9,18 @@ import os
 import re
 from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from film_datasets.provenance import dataset_of
 from film_datasets.schema import FORCE_INTERVAL, MEASURED_CONDITIONS, MEASUREMENT, TABLE, Variable
 from film_model.base.errors import Mistake, SceneError, did_you_mean, raise_all, shown
+from film_model.base.foreign import Dataset
 from film_model.base.units import DIMENSIONS, to_si
 from film_model.oblique.result import OBLIQUE
 from film_model.scene import STANDARD_GRAVITY
 from film_model.scene.toml import LARGEST_TABLE, read_text
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 NAMES = {
     **{"time": "t", "force": "contact_force", "velocity": "impactor_velocity", "displacement": "impactor_displacement"},
@@ -71,7 +69,7 @@ _PLAIN = {"-": "", "1": "", "%": "0.01"}
 """Units of a number without dimension, and their sizes."""
 
 
-def from_csv(path: str | os.PathLike[str], title: str = "", columns: Mapping[str, str] | None = None) -> xr.Dataset:
+def from_csv(path: str | os.PathLike[str], title: str = "", columns: Mapping[str, str] | None = None) -> Dataset:
     """A measured history, or measured impacts at several velocities, as a dataset of kind impact_measurement, SI.
 
     The first line that is not a comment (#) has the names of the columns, each with its unit: `time [us], force [kN]`
@@ -151,7 +149,7 @@ def values_of(rows: Rows, known: Mapping[str, Variable]) -> dict[str, np.ndarray
     return values
 
 
-def doubts_of(ds: xr.Dataset) -> list[str]:
+def doubts_of(ds: Dataset) -> list[str]:
     """Sentences on measured impacts that leave faster than they came, or into the target."""
     doubts: list[str] = []
     if "coefficient_of_restitution" in ds and float(ds["coefficient_of_restitution"].max()) > 1.0:
@@ -167,7 +165,7 @@ def doubts_of(ds: xr.Dataset) -> list[str]:
     return doubts
 
 
-def measured_over(ds: xr.Dataset) -> tuple[str, list[str]]:
+def measured_over(ds: Dataset) -> tuple[str, list[str]]:
     """The variable over which a measurement was made ("t", "impactor_velocity" or, if they were made at several angles,
     "impactor_angle"), and the measured variables."""
     if ds.attrs["measured"] == "history":
@@ -336,7 +334,7 @@ def _check_sizes(
 
 def _dataset(
     path: Path, text: str, title: str, kind: str, values: dict[str, np.ndarray], known: Iterable[str], along: str
-) -> xr.Dataset:
+) -> Dataset:
     given = [name for name in known if name in values and name in _given(along)]
     measured = ", ".join(name for name in known if name in values and name not in given)
     about = {

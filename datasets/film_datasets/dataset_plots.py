@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -19,6 +19,7 @@ from film_datasets.schema import BOUNCES, CHAIN, COST, HISTORY, MEASUREMENT, SWE
 from film_datasets.sweep_plots import FEW_POINTS, draw_sweep
 from film_datasets.sweeps.definition import Sweep
 from film_datasets.tornado_plot import draw_tornado
+from film_model.base.foreign import Dataset, Figure
 from film_model.plot.bounces import plot_bounces
 from film_model.plot.chain import plot_chain
 from film_model.plot.cost import plot_study
@@ -26,15 +27,11 @@ from film_model.plot.history import plot_history
 from film_model.plot.style import COLOURS, picture, prefixed_unit
 from film_model.solve.chain_motion import simulate_chain_quietly
 
-if TYPE_CHECKING:
-    import xarray as xr
-    from matplotlib.figure import Figure
-
 SIZE = (7.2, 4.6)  # inches
 
 
 def plot(
-    ds: xr.Dataset,
+    ds: Dataset,
     path: str | os.PathLike[str] | None = None,
     quantity: str | None = None,
     over: Sequence[str] | str | None = None,
@@ -88,7 +85,7 @@ def plot(
     return picture(path, draw_sweep(ds, quantity, over, at), SIZE, dpi)
 
 
-def _draw_measurement(figure: Figure, ds: xr.Dataset) -> None:
+def _draw_measurement(figure: Figure, ds: Dataset) -> None:
     """The points of a measurement, a panel for each quantity."""
     figure.set_layout_engine("constrained", w_pad=0.1, h_pad=0.04)
     along, names = measured_over(ds)

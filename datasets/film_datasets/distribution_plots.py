@@ -4,20 +4,17 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from film_datasets.axis_style import MOST_POINTS, draw_points, format_axis, set_title, some_of, values_and_label, worded
 from film_datasets.schema import dimension_of, has_failed, require_impacts, swept_name, words_of
 from film_model.base.errors import did_you_mean, shown
+from film_model.base.foreign import DataArray, Dataset, Figure
 from film_model.base.units import format_si
 from film_model.plot.style import COLOURS
 from film_model.solve.history import SUMMARY
-
-if TYPE_CHECKING:
-    import xarray as xr
-    from matplotlib.figure import Figure
 
 TORNADO = "tornado"
 KINDS = ("histogram", "ecdf", "scatter", TORNADO)
@@ -29,7 +26,7 @@ MARKED = (0.05, 0.5, 0.95)
 
 
 def draw_distribution(
-    ds: xr.Dataset, kind: str, quantity: str | None, over: Sequence[str] | str | None
+    ds: Dataset, kind: str, quantity: str | None, over: Sequence[str] | str | None
 ) -> Callable[[Figure], None]:
     """A function that draws a kind of `KINDS` into a figure. over: for a scatter plot, the quantity along x."""
     if kind not in KINDS:
@@ -68,7 +65,7 @@ def _known(name: str, numbers: Sequence[str]) -> str:
     return name
 
 
-def _one(figure: Figure, array: xr.DataArray, kind: str, notes: list[str]) -> None:
+def _one(figure: Figure, array: DataArray, kind: str, notes: list[str]) -> None:
     """A histogram or empirical distribution, with quantiles."""
     import xarray as xr
 
@@ -98,13 +95,13 @@ def _bins(values: Any) -> int:
     return min(max(wanted, 10), 200)
 
 
-def _scatter(figure: Figure, ds: xr.Dataset, x: str, y: str, notes: list[str]) -> None:
+def _scatter(figure: Figure, ds: Dataset, x: str, y: str, notes: list[str]) -> None:
     """A point for each impact, in the colour of its word if words were swept."""
     import xarray as xr
 
     panel = figure.add_subplot()
     family = worded(ds, (x, y))
-    drawn: list[xr.DataArray] = []
+    drawn: list[DataArray] = []
     for name in filter(None, (x, y, family)):
         values = ds[name].broadcast_like(ds["status"]).transpose(*ds["status"].dims).values.ravel()
         drawn.append(xr.DataArray(values[some_of(values.size, MOST_POINTS)], name=name, attrs=ds[name].attrs))

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from film_datasets.schema import flag_meanings
+from film_model.base.foreign import Dataset
 from film_model.studies.validation_rows import Row
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 NUMBERS = (
     *("value", "uncertainty", "input_uncertainty", "radius", "mass", "velocity", "effective_modulus"),
@@ -20,7 +18,7 @@ LINES = {"notes": "note", "balls": "ball", "targets": "target"}
 """Attributes with one line for each row → their columns."""
 
 
-def evidence_rows(ds: xr.Dataset) -> list[Row]:
+def evidence_rows(ds: Dataset) -> list[Row]:
     """The rows of such a dataset."""
     names = {"quantity": "quantity", "source": "source_of_value", "kind": "kind_of_value", "sureness": "sureness"}
     words = {name: flag_meanings(ds[variable]) for name, variable in names.items()}

@@ -8,7 +8,7 @@ import warnings
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal, cast
+from typing import Any, Literal, cast
 
 import numpy as np
 
@@ -20,11 +20,9 @@ from film_datasets.schema.validation import damage
 from film_datasets.seal import check_seal, seal_store, sealed
 from film_datasets.tables import TABLES, check_parquet, left_out, write_table
 from film_model.base.files import check_folder, check_regular, check_replaceable, flush, written_whole
+from film_model.base.foreign import Dataset
 from film_model.base.hdf5 import check_hdf5
 from film_model.solve.history import History
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 SUFFIX, ZARR = ".nc", ".zarr"
 
@@ -47,7 +45,7 @@ DEFLATE_FROM = 4096
 """Smaller variables (bytes) are not compressed: the chunk index (2 kB) takes more than compression saves."""
 
 
-def write(ds: xr.Dataset | History, path: str | os.PathLike[str], overwrite: bool = False) -> Path:
+def write(ds: Dataset | History, path: str | os.PathLike[str], overwrite: bool = False) -> Path:
     """Write `ds` to the netCDF-4 file or Zarr folder `path`, or as a table (see `to_frame`) to a .csv, .parquet or .mat
     file. A history is written as its dataset (`to_dataset`), to netCDF without importing xarray.
 
@@ -102,7 +100,7 @@ def _write_netcdf(target: Path, write_to: Callable[[Path], object]) -> Path:
     return target
 
 
-def _with_hash(ds: xr.Dataset) -> xr.Dataset:
+def _with_hash(ds: Dataset) -> Dataset:
     """The dataset with the hash of its values as they are now."""
     if "content_sha256" not in ds.attrs:
         return ds
@@ -114,7 +112,7 @@ def _with_hash(ds: xr.Dataset) -> xr.Dataset:
         return part
 
 
-def _write_folder(ds: xr.Dataset, target: Path) -> Path:
+def _write_folder(ds: Dataset, target: Path) -> Path:
     """Write a Zarr folder, of format 3, whole or not at all."""
     beside = temporary_path(target)
     try:
@@ -134,13 +132,13 @@ def _write_folder(ds: xr.Dataset, target: Path) -> Path:
     return target
 
 
-def read(path: str | os.PathLike[str]) -> xr.Dataset:
+def read(path: str | os.PathLike[str]) -> Dataset:
     """The dataset in a file, in memory, the file closed. Raises what `open_dataset` raises."""
     with open_dataset(path) as ds:
         return ds.load()
 
 
-def open_dataset(path: str | os.PathLike[str]) -> xr.Dataset:
+def open_dataset(path: str | os.PathLike[str]) -> Dataset:
     """The dataset in a netCDF file or Zarr folder written by film-model, with the accessor `film`.
 
     A history is read into memory; a sweep is read lazily. A coordinate of more than `MOST_INDEXED` values has no
@@ -226,7 +224,7 @@ def _engine_of(source: Path) -> Literal["zarr", "netcdf4"]:
     return "netcdf4"
 
 
-def _indexed(ds: xr.Dataset) -> xr.Dataset:
+def _indexed(ds: Dataset) -> Dataset:
     """The dataset with an index for every coordinate of at most `MOST_INDEXED` values, and texts of fixed length."""
     texts = [name for name, array in ds.variables.items() if holds_text(array)]
     ds = ds.assign({name: ds[name].copy(data=np.array(ds[name].values.tolist(), np.str_)) for name in texts})
@@ -300,7 +298,7 @@ def size_of(path: str | os.PathLike[str]) -> int:
     return sum(file.stat().st_size for file in ([place] if place.is_file() else place.rglob("*")) if file.is_file())
 
 
-def _encoding(ds: xr.Dataset) -> dict[str, Any]:
+def _encoding(ds: Dataset) -> dict[str, Any]:
     """Per variable: compression for long ones, a checksum for the others (deflate has one), a fill value only for
     optional ones."""
     missing = {variable.name for variable in variables_of(ds) if variable.optional}
@@ -317,7 +315,7 @@ def _filters(array: Any, deflate: dict[str, Any]) -> dict[str, Any]:
     return deflate if array.nbytes >= DEFLATE_FROM else {"fletcher32": True, "chunksizes": array.shape}
 
 
-def _zarr_encoding(ds: xr.Dataset) -> dict[str, Any]:
+def _zarr_encoding(ds: Dataset) -> dict[str, Any]:
     """Per variable: compression, and a checksum of the compressed bytes."""
     from zarr.codecs import Crc32cCodec, ZstdCodec  # lazy: an optional dependency
 

@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from film_datasets.schema import HISTORY, TABLE, has, require
+from film_model.base.foreign import Dataset
 from film_model.oblique.result import BOUNDS, KINDS, MOTION, OBLIQUE, REGIMES, RESULTS, Oblique
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 REGIME, ERROR = "sliding_regime", "estimated_friction_error"
 
@@ -29,7 +27,7 @@ def friction_columns(oblique: Oblique | None) -> dict[str, Any]:
     }
 
 
-def read_friction(ds: xr.Dataset) -> Oblique | None:
+def read_friction(ds: Dataset) -> Oblique | None:
     """The tangential part of the impact of a dataset; None without it. Raises ValueError if a variable is missing."""
     if not has(ds, "friction"):
         return None

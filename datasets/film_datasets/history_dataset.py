@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import contextlib
 from dataclasses import asdict
-from typing import TYPE_CHECKING, Any, cast
+from typing import Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,6 +30,7 @@ from film_datasets.schema import (
     require,
 )
 from film_model.base.errors import Outcome
+from film_model.base.foreign import Dataset
 from film_model.core.native import BRANCH_NAMES, EVENTS
 from film_model.plot.history import Trace
 from film_model.solve.closed_form import TABLES, ClosedForm
@@ -37,9 +38,6 @@ from film_model.solve.history import MOTION, SUMMARY, Accuracy, Event, History, 
 from film_model.solve.modal_motion import ModalMotion
 from film_model.solve.sensed import quantities_of
 from film_model.solve.simulate import simulate_chosen
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 SAMPLES = 201
 """Evenly spaced times of a history, if no other number is asked for."""
@@ -65,7 +63,7 @@ STEPS_COMMENT = (
 
 def history_dataset(
     history: History, samples: int = SAMPLES, command: str = "film_datasets.history_dataset"
-) -> xr.Dataset:
+) -> Dataset:
     """A history as a dataset of kind impact_history; see `film_datasets.to_dataset`."""
     return history_contents(history, samples, command).dataset()
 
@@ -107,7 +105,7 @@ def history_contents(history: History, samples: int, command: str) -> Contents:
     return found
 
 
-def tables_of(ds: xr.Dataset) -> dict[str, NDArray[Any]]:
+def tables_of(ds: Dataset) -> dict[str, NDArray[Any]]:
     """The tables of the closed form that a dataset has, by `film_model.solve.closed_form.TABLES`.
 
     Raises ValueError if a variable is missing or has another shape.
@@ -130,7 +128,7 @@ def tables_of(ds: xr.Dataset) -> dict[str, NDArray[Any]]:
     return tables
 
 
-def lines_of(ds: xr.Dataset) -> NDArray[Any]:
+def lines_of(ds: Dataset) -> NDArray[Any]:
     """The segments of a dataset as the core's lines (`native.LINE_DTYPE`), for `native.sample`.
 
     Empty if the target vibrates or the dataset is the run of an FMU.
@@ -138,7 +136,7 @@ def lines_of(ds: xr.Dataset) -> NDArray[Any]:
     return tables_of(ds)["segment"]
 
 
-def history_of(ds: xr.Dataset) -> History:
+def history_of(ds: Dataset) -> History:
     """The history that a dataset was made from, to be sampled and plotted without another march.
 
     Viscoelastic bodies have no segments, nor have targets that vibrate in files of schema 1.3 and older: such an impact
@@ -174,13 +172,13 @@ def history_of(ds: xr.Dataset) -> History:
     )
 
 
-def _is_older(ds: xr.Dataset) -> bool:
+def _is_older(ds: Dataset) -> bool:
     """Whether impacts on modes had no steps when the dataset was written."""
     versions = list(ADDED[HISTORY])
     return ds.attrs.get("film_model_schema_version") in versions[: versions.index("1.4")]
 
 
-def _check_complete(ds: xr.Dataset, lines: NDArray[Any], modes: ModalMotion | None, unit: float) -> None:
+def _check_complete(ds: Dataset, lines: NDArray[Any], modes: ModalMotion | None, unit: float) -> None:
     """Raise ValueError unless the motion is stored from first touch to the last event. unit: of the lines' time, s."""
     last = float(ds["event_time"].values.max(initial=0.0)) * (1.0 - NEAREST_SAMPLE)
     if modes is not None:
@@ -194,7 +192,7 @@ def _check_complete(ds: xr.Dataset, lines: NDArray[Any], modes: ModalMotion | No
         raise ValueError("segments of this history are missing: the dimension segment must be complete")
 
 
-def trace_of(ds: xr.Dataset) -> Trace:
+def trace_of(ds: Dataset) -> Trace:
     """What is plotted of a history: its segments, or the samples at t if `history_of` raises ValueError.
 
     The samples are those from first touch to the last end of contact, or to the end of the run if contact goes on.
@@ -221,12 +219,12 @@ def trace_of(ds: xr.Dataset) -> Trace:
     return Trace(str(ds.attrs["title"]), law, tuple(stages), samples, end, events, _read_summary(ds), {})
 
 
-def _read_summary(ds: xr.Dataset) -> dict[str, float | None]:
+def _read_summary(ds: Dataset) -> dict[str, float | None]:
     values = {name: float(ds[name]) for name in SUMMARY if name in ds}  # older files may lack some
     return {name: None if np.isnan(value := values.get(name, np.nan)) else value for name in SUMMARY}
 
 
-def _read_events(ds: xr.Dataset, names: list[str]) -> tuple[Event, ...]:
+def _read_events(ds: Dataset, names: list[str]) -> tuple[Event, ...]:
     """The events of a dataset; names: of the stages, by their numbers."""
     table = zip(*(ds[f"event_{name}"].values.tolist() for name in ("kind", "time", "stage", *MOTION)), strict=True)
     return tuple(Event(EVENTS[kind], time, names[stage], *motion) for kind, time, stage, *motion in table)

@@ -3,19 +3,17 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from film_datasets.sampling import parts_of
 from film_datasets.schema import require, require_impacts
 from film_datasets.sweeps import Sweep
+from film_model.base.foreign import Dataset
 from film_model.effects.many import problems_of, rows_of
 from film_model.problem.model_intervals import ASKED, COVERED, LARGEST, asked_number, evidence, missing, residuals_of
 from film_model.problem.summary import SUMMARY
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 BLOCK = 100_000
 """Impacts whose decisions are held in memory at a time."""
@@ -24,7 +22,7 @@ NONE = -1
 """Family of an impact of which measurements are not asked for."""
 
 
-def sweep_intervals(ds: xr.Dataset, sweep: Sweep) -> xr.Dataset:
+def sweep_intervals(ds: Dataset, sweep: Sweep) -> Dataset:
     """For each impact of a sweep or of a selection, the family of its measurements, and low and high of the interval of
     each summary value that has one; NaN without. See `film_datasets.accessor.Film.intervals`."""
     require_impacts(ds)

@@ -8,20 +8,18 @@ import platform
 import zlib
 from collections.abc import Iterable, Mapping
 from datetime import UTC, datetime
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from film_datasets.scene_constants import check_scene_key, scene_key
 from film_datasets.schema import HISTORY, TABLE, VERSIONS, content_sha256, kind_of
 from film_model.base.errors import SceneError
+from film_model.base.foreign import Dataset
 from film_model.core import native
 from film_model.effects.choose import Choice, choose
 from film_model.scene import Scene
 from film_model.version import __version__
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 PROGRAM = f"film-model {__version__}"
 
@@ -69,7 +67,7 @@ def dataset_of(
     meanings: Mapping[str, Any] | None = None,
     coordinates: Iterable[str] = (),
     parts: Iterable[str] = (),
-) -> xr.Dataset:
+) -> Dataset:
     """A dataset of `kind` with those variables of `TABLE`, or of its key `table`, and of more keys `parts`, that are
     in `columns`.
 
@@ -109,7 +107,7 @@ def text_and_hash(name: str, text: str) -> dict[str, str]:
     return {f"{name}_toml": text, f"{name}_sha256": hashlib.sha256(text.encode()).hexdigest()}
 
 
-def scene_of(ds: xr.Dataset) -> Scene:
+def scene_of(ds: Dataset) -> Scene:
     """The scene in the attribute scene_toml.
 
     Raises ValueError if the dataset has no scene, or if its law was an object of Python, which no file can store.
@@ -117,7 +115,7 @@ def scene_of(ds: xr.Dataset) -> Scene:
     return choice_of(ds).scene if "contact_law" in ds.attrs else _stored_scene(ds)
 
 
-def choice_of(ds: xr.Dataset) -> Choice:
+def choice_of(ds: Dataset) -> Choice:
     """What film_model chooses for the scene of a dataset; raises what `scene_of` raises.
 
     It includes the law, which is compared with that of the dataset.
@@ -132,7 +130,7 @@ def choice_of(ds: xr.Dataset) -> Choice:
     return choice
 
 
-def _stored_scene(ds: xr.Dataset) -> Scene:
+def _stored_scene(ds: Dataset) -> Scene:
     if "scene_toml" not in ds.attrs:
         raise ValueError(f"a dataset of kind {kind_of(ds)} has no scene")
     text = str(ds.attrs["scene_toml"])
@@ -151,7 +149,7 @@ def _lost_law(law: str) -> ValueError:
     return ValueError(f"the contact law {law} was an object of Python: the scene cannot be made again without it")
 
 
-def warnings_of(ds: xr.Dataset) -> tuple[str, ...]:
+def warnings_of(ds: Dataset) -> tuple[str, ...]:
     """The sentences in the attribute `warnings`."""
     warnings = str(ds.attrs["warnings"])
     return () if warnings == "none" else tuple(warnings.split("\n"))

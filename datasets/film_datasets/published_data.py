@@ -3,13 +3,10 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from film_datasets.files import SUFFIX, read
 from film_model.base.errors import did_you_mean, shown
-
-if TYPE_CHECKING:
-    import xarray as xr
+from film_model.base.foreign import Dataset
 
 HERE = Path(__file__).parent
 
@@ -25,7 +22,7 @@ def published() -> dict[str, str]:
     return {name: str(read(path).attrs["title"]) for name, path in _files().items()}
 
 
-def load(name: str) -> xr.Dataset:
+def load(name: str) -> Dataset:
     """A dataset that is installed with the package, e.g. "zener". Raises KeyError for an unknown name.
 
     >>> sorted(fd.published())[:2]

@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 import importlib
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from film_datasets.schema import dimension_of, dimension_of_unit, variables_of
+from film_model.base.foreign import DataArray, Dataset
 from film_model.base.units import DIMENSIONS, quantity, scene_unit
 
-if TYPE_CHECKING:
-    import xarray as xr
 
-
-def quantified(ds: xr.Dataset) -> xr.Dataset:
+def quantified(ds: Dataset) -> Dataset:
     """The dataset with quantities as values; coordinates too if pint-xarray is installed."""
     variables = [v for v in variables_of(ds) if v.name in ds.variables]
     units = {v.name: scene_unit(dimension_of_unit(v.unit)) for v in variables if v.unit not in (None, "1")}
@@ -30,11 +28,11 @@ def quantified(ds: xr.Dataset) -> xr.Dataset:
     return result.pint.quantify(units)
 
 
-def _without_units(array: xr.DataArray) -> dict[Any, Any]:
+def _without_units(array: DataArray) -> dict[Any, Any]:
     return {key: value for key, value in array.attrs.items() if key != "units"}
 
 
-def in_numbers(ds: xr.Dataset) -> xr.Dataset:
+def in_numbers(ds: Dataset) -> Dataset:
     """The dataset with quantities of any unit converted to SI numbers; `ds` itself if it has no quantities."""
     import xarray as xr
 

@@ -13,9 +13,9 @@ from importlib.machinery import ModuleSpec
 from types import ModuleType
 from typing import TYPE_CHECKING
 
-if TYPE_CHECKING:
-    import xarray as xr
+from film_model.base.foreign import Dataset
 
+if TYPE_CHECKING:
     from film_datasets.accessor import Film
 
 XARRAY = "xarray"
@@ -35,7 +35,7 @@ def _register() -> None:
     xr.register_dataset_accessor("film")(_film)
 
 
-def _film(ds: xr.Dataset) -> Film:
+def _film(ds: Dataset) -> Film:
     """The accessor, which is imported when it is first used."""
     from film_datasets.accessor import Film
 

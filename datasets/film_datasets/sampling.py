@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -11,17 +11,15 @@ from film_datasets.impacts import simulate_impacts
 from film_datasets.schema import has_failed, require_impacts
 from film_datasets.sweeps import Sweep
 from film_model.base.arrays import Array, Index
+from film_model.base.foreign import Dataset
 from film_model.scene import Scene
 from film_model.solve.history import MOTION
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 MOST_VALUES = 20_000_000
 """Impacts times times: five numbers for each are held in memory."""
 
 
-def sample_all(ds: xr.Dataset, sweep: Sweep, times: Array) -> dict[str, Array]:
+def sample_all(ds: Dataset, sweep: Sweep, times: Array) -> dict[str, Array]:
     """Motion at ascending times [s] of every impact of a sweep or of a selection: arrays over its dimensions and the
     times. The impacts are simulated again; NaN for those that failed.
 
@@ -42,7 +40,7 @@ def sample_all(ds: xr.Dataset, sweep: Sweep, times: Array) -> dict[str, Array]:
     return {name: column.reshape(shape) for name, column in motion.items()}
 
 
-def parts_of(ds: xr.Dataset, sweep: Sweep) -> Iterator[tuple[Scene, Index, dict[str, Array]]]:
+def parts_of(ds: Dataset, sweep: Sweep) -> Iterator[tuple[Scene, Index, dict[str, Array]]]:
     """The impacts of a sweep or of a selection that did not fail, as of `Sweep.parts`."""
     status, values = ds["status"], list[Any]()
     for axis in sweep.axes:

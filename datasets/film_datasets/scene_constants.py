@@ -4,14 +4,12 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Iterable
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
+from film_model.base.foreign import Dataset
 from film_model.scene import Scene
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 
 def constants_of(scene: Scene) -> dict[str, Any]:
@@ -46,7 +44,7 @@ def scene_key(scene_text: str, words: Iterable[str] = ()) -> int:
     return int.from_bytes(digest[:4], "big") >> 1
 
 
-def check_scene_key(ds: xr.Dataset, key: int) -> None:
+def check_scene_key(ds: Dataset, key: int) -> None:
     """Raise ValueError if an impact of the dataset belongs to another scene; older files do not tell."""
     if "scene_key" in ds.variables and (ds["scene_key"] != key).any():
         raise ValueError(

@@ -4,13 +4,10 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping
-from typing import TYPE_CHECKING
 
 from film_datasets.reference_impacts.score import Score, by_quantity
+from film_model.base.foreign import Figure
 from film_model.plot.style import COLOURS, picture, plain
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 LEAST = 1e-16
 """Smaller errors are drawn here."""

@@ -11,10 +11,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from film_datasets.schema import holds_text
+from film_model.base.foreign import Dataset
 
 if TYPE_CHECKING:
-    import xarray as xr
-
     from film_datasets.contents import Contents
 
 SEAL = "metadata_sha256"
@@ -25,7 +24,7 @@ STORAGE = {"coordinates", "_FillValue"}
 """Attributes of variables that xarray takes out when it reads them."""
 
 
-def sealed(contents: xr.Dataset | Contents) -> dict[str, Any]:
+def sealed(contents: Dataset | Contents) -> dict[str, Any]:
     """The global attributes of a dataset that is written to netCDF, with its seal."""
     described = [(str(name), one.dims, one.shape, one, one.attrs) for name, one in contents.variables.items()]
     return netcdf_attributes(described, contents.attrs)
@@ -52,7 +51,7 @@ def seal_store(store: Path) -> None:
     (store / ROOT).write_text(json.dumps(root, indent=2), "utf-8")
 
 
-def check_seal(ds: xr.Dataset, source: Path) -> None:
+def check_seal(ds: Dataset, source: Path) -> None:
     """Raise OSError if what describes the values of `ds`, read from `source`, is not what was sealed; take the seal out
     of its attributes, because it is that of the file. Files of earlier versions have none."""
     seal = ds.attrs.pop(SEAL, None)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import textwrap
 from collections.abc import Callable, Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,13 +27,10 @@ from film_datasets.distribution_plots import DEFAULT_QUANTITY
 from film_datasets.provenance import warnings_of
 from film_datasets.schema import dimension_of, has_failed, pieces, require_impacts, swept_name, words_of
 from film_model.base.errors import did_you_mean, shown
+from film_model.base.foreign import DataArray, Dataset, Figure
 from film_model.base.units import to_si
 from film_model.plot.style import COLOURS, prefixed_unit
 from film_model.solve.history import SUMMARY
-
-if TYPE_CHECKING:
-    import xarray as xr
-    from matplotlib.figure import Figure
 
 MOST_LINES = 9
 """A swept quantity of at most so many values gives a line for each value, with a legend."""
@@ -48,7 +45,7 @@ COLOUR_MAP = "cividis"
 
 
 def draw_sweep(
-    ds: xr.Dataset, quantity: str | None, over: Sequence[str] | str | None, at: Mapping[str, Any] | None
+    ds: Dataset, quantity: str | None, over: Sequence[str] | str | None, at: Mapping[str, Any] | None
 ) -> Callable[[Figure], None]:
     """A function that draws a sweep into a figure; for the arguments see `film_datasets.plot`."""
     require_impacts(ds)
@@ -73,7 +70,7 @@ def draw_sweep(
     return fill
 
 
-def _say_why(figure: Figure, ds: xr.Dataset, quantity: str) -> None:
+def _say_why(figure: Figure, ds: Dataset, quantity: str) -> None:
     """Instead of empty axes: that no impact has a value of the quantity, and the first warning of the sweep."""
     said = [f"No impact of this sweep has a value of {quantity.replace('_', ' ')}.", *warnings_of(ds)[:1]]
     lines = [textwrap.fill(line, 80).replace("$", r"\$") for line in said]
@@ -81,7 +78,7 @@ def _say_why(figure: Figure, ds: xr.Dataset, quantity: str) -> None:
     set_title(figure, ds)
 
 
-def _chosen_axes(ds: xr.Dataset, swept: list[str], over: Sequence[str] | str | None) -> list[str]:
+def _chosen_axes(ds: Dataset, swept: list[str], over: Sequence[str] | str | None) -> list[str]:
     """The swept quantities along the axes of the plot: `over`, or those with the most to show."""
     numbers = [name for name in swept if not words_of(ds[name]) and ds[name].size > 1]
     long = [name for name in numbers if ds[name].size > MOST_LINES]
@@ -97,7 +94,7 @@ def _chosen_axes(ds: xr.Dataset, swept: list[str], over: Sequence[str] | str | N
     return chosen
 
 
-def _draw_lines(figure: Figure, ds: xr.Dataset, quantity: str, over: list[str], at: dict[str, Any]) -> None:
+def _draw_lines(figure: Figure, ds: Dataset, quantity: str, over: list[str], at: dict[str, Any]) -> None:
     """A line for each value of another swept quantity that has names or few values."""
     panel = figure.add_subplot()
     (x,) = over
@@ -127,7 +124,7 @@ def _draw_lines(figure: Figure, ds: xr.Dataset, quantity: str, over: list[str], 
     set_title(figure, ds, [*notes, *_thinning(array.sizes[x], count, "values")])
 
 
-def _draw_map(figure: Figure, ds: xr.Dataset, quantity: str, over: list[str], at: dict[str, Any]) -> None:
+def _draw_map(figure: Figure, ds: Dataset, quantity: str, over: list[str], at: dict[str, Any]) -> None:
     """A heat map over two swept quantities."""
     panel = figure.add_subplot()
     x, y = over
@@ -148,7 +145,7 @@ def _draw_map(figure: Figure, ds: xr.Dataset, quantity: str, over: list[str], at
     set_title(figure, ds, notes)
 
 
-def _draw_scatter(figure: Figure, ds: xr.Dataset, quantity: str, over: list[str], at: dict[str, Any]) -> None:
+def _draw_scatter(figure: Figure, ds: Dataset, quantity: str, over: list[str], at: dict[str, Any]) -> None:
     """A point for every impact of a sampled sweep: over one swept quantity, with a colour for each word of another; or
     over two, coloured."""
     if at:
@@ -178,7 +175,7 @@ def _draw_scatter(figure: Figure, ds: xr.Dataset, quantity: str, over: list[str]
     set_title(figure, ds, [*_notes([], status), *_thinning(array.size, count, "impacts")])
 
 
-def _with_extremes(places: NDArray[np.int64], array: xr.DataArray) -> NDArray[np.int64]:
+def _with_extremes(places: NDArray[np.int64], array: DataArray) -> NDArray[np.int64]:
     """Places along the first dimension, and those of extreme values."""
     if places.size == array.shape[0]:
         return places
@@ -199,7 +196,7 @@ def _thinning(drawn: int, count: int, what: str) -> list[str]:
     return [f"{drawn} of {count} {what} are drawn, the least and the greatest among them"] if drawn < count else []
 
 
-def _select(ds: xr.Dataset, quantity: str, free: list[str], at: dict[str, Any]) -> tuple[xr.DataArray, list[str]]:
+def _select(ds: Dataset, quantity: str, free: list[str], at: dict[str, Any]) -> tuple[DataArray, list[str]]:
     """The quantity over the dimensions `free`, and a text for each other dimension with its selected value."""
     indices, texts = {}, []
     unknown = [name for name in at if name not in ds[quantity].dims or name in free]
@@ -223,7 +220,7 @@ def _select(ds: xr.Dataset, quantity: str, free: list[str], at: dict[str, Any]) 
     return ds[quantity].isel(indices), texts
 
 
-def _legend_texts(array: xr.DataArray) -> list[str]:
+def _legend_texts(array: DataArray) -> list[str]:
     """The values of a swept quantity as texts."""
     if words_of(array):
         return [plain(word) for word in words_of(array)]
@@ -231,7 +228,7 @@ def _legend_texts(array: xr.DataArray) -> list[str]:
     return [f"{value:.4g} {unit}".rstrip() for value in (array.values / size).tolist()]
 
 
-def _notes(fixed: Sequence[str], status: xr.DataArray) -> list[str]:
+def _notes(fixed: Sequence[str], status: DataArray) -> list[str]:
     """Below the title: the values of the other swept quantities, and how many impacts failed."""
     notes = ["at " + ", ".join(fixed)] if fixed else []
     failed = sum(int(np.count_nonzero(has_failed(codes))) for codes in pieces(status))

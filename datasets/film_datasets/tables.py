@@ -6,7 +6,7 @@ import importlib
 import io
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -24,13 +24,10 @@ from film_datasets.schema import (
     require,
     variables_of,
 )
+from film_model.base.foreign import DataFrame, Dataset
 from film_model.base.units import scene_unit
 from film_model.solve.history import SUMMARY
 from film_model.targets.sensors import sensor_words
-
-if TYPE_CHECKING:
-    import pandas as pd
-    import xarray as xr
 
 TABLES = (".csv", ".parquet", ".mat")
 """Suffixes of the files that hold a table."""
@@ -43,7 +40,7 @@ MAT_HEADER = 116
 """Bytes of text at the beginning of a MATLAB file, in which SciPy writes the time."""
 
 
-def to_frame(ds: xr.Dataset) -> pd.DataFrame:
+def to_frame(ds: Dataset) -> DataFrame:
     """The values of a dataset as a table with units in the headings: `contact_force [N]`, SI; flags as words.
 
     A row is an impact of a sweep, a time of a history, a measured value or a run of a cost study. Of a sweep the
@@ -57,7 +54,7 @@ def to_frame(ds: xr.Dataset) -> pd.DataFrame:
     return pd.DataFrame({_heading(v): values for v, values in _columns(ds)})
 
 
-def write_table(ds: xr.Dataset, target: Path, beside: Path) -> None:
+def write_table(ds: Dataset, target: Path, beside: Path) -> None:
     """Write a dataset to the file `beside`, in the format that the suffix of `target` says."""
     if target.suffix == ".csv":
         to_frame(ds).to_csv(beside, index=False, lineterminator="\n", encoding="utf-8")
@@ -77,7 +74,7 @@ def check_parquet(target: Path) -> None:
             raise ImportError(f"{target}: {NEEDS_PARQUET}") from error
 
 
-def left_out(ds: xr.Dataset) -> list[str]:
+def left_out(ds: Dataset) -> list[str]:
     """What a table of the dataset does not hold, in words."""
     kept = str(ds.attrs.get("kept", "")).split()
     if kind_of(ds) == HISTORY:
@@ -85,7 +82,7 @@ def left_out(ds: xr.Dataset) -> list[str]:
     return [what for what in ("segments", "samples") if what in kept]
 
 
-def _columns(ds: xr.Dataset) -> list[tuple[Variable, Any]]:
+def _columns(ds: Dataset) -> list[tuple[Variable, Any]]:
     """Variables and values of the columns, one value per row."""
     kind = kind_of(ds)
     variables = [v for v in variables_of(ds) if v.name not in NO_COLUMNS]
@@ -123,7 +120,7 @@ def _heading(variable: Variable) -> str:
     return f"{variable.name} [{scene_unit(dimension_of_unit(variable.unit)) or variable.unit}]"
 
 
-def _mat(ds: xr.Dataset) -> bytes:
+def _mat(ds: Dataset) -> bytes:
     """The content of a MATLAB 5 file: a vector for each column, texts as cells, and the struct `units`."""
     from scipy.io import savemat  # lazy: it takes 0.2 s
 

@@ -4,18 +4,15 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING
 
 from film_datasets.axis_style import label, plain
 from film_datasets.sweeps.definition import Sweep
 from film_datasets.tolerances.analysis import Tolerance
 from film_datasets.tolerances.one_at_a_time import HIGH, LOW, Swing, one_at_a_time
+from film_model.base.foreign import Figure
 from film_model.base.units import format_si
 from film_model.plot.style import COLOURS, picture, prefixed_unit
 from film_model.solve.derivatives import RESULTS
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 
 def plot_tornado(

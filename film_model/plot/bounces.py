@@ -3,17 +3,15 @@
 from __future__ import annotations
 
 import os
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from film_model.base.foreign import Figure
 from film_model.plot.style import COLOURS, HIGHLIGHT, picture, plain, prefixed_unit
 from film_model.scene import STANDARD_GRAVITY
 from film_model.solve.bounce import Bounces
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 PARABOLA = 33
 """Points of each flight."""

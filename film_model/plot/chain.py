@@ -4,15 +4,13 @@ from __future__ import annotations
 
 import os
 from itertools import cycle
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
+from film_model.base.foreign import Figure
 from film_model.plot.style import COLOURS, picture, plain, prefixed_unit
 from film_model.solve.chain_motion import ChainMotion
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 SIZE = (7.2, 5.4)  # inches
 

@@ -6,12 +6,12 @@ import os
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
+from film_model.base.foreign import Figure
 from film_model.plot.style import COLOURS, HIGHLIGHT, MARKERS, picture, plain
 from film_model.studies.cost import Study
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
 
 OTHERS = tuple(colour for colour in COLOURS if colour != HIGHLIGHT)
 """Colours of the other methods; those of a second round are dashed, with hollow markers."""

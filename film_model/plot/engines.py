@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from film_model.base.foreign import Figure
 from film_model.plot.style import COLOURS, HIGHLIGHT, MARKERS, picture, plain, prefixed_unit
 from film_model.scene import Scene
 from film_model.solve.simulate import simulate_quietly
@@ -16,7 +17,6 @@ from film_model.translate.march import march
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
 
 SIZE = (8.6, 6.2)  # inches
 OURS, THEIRS = COLOURS[0], HIGHLIGHT

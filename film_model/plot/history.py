@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from film_model.base.foreign import Figure
 from film_model.base.units import format_si
 from film_model.plot.style import COLOURS, HIGHLIGHT, NO_CONTACT, UNLOADING, picture, plain, prefixed_unit
 from film_model.scene.friction_table import FrictionTable
@@ -22,7 +23,6 @@ from film_model.solve.history import MOTION, SUMMARY, Event, History, Samples
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
 
 LABELS = {
     "contact_begins": "contact again",

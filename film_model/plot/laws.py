@@ -6,6 +6,7 @@ import math
 import os
 from typing import TYPE_CHECKING, Any
 
+from film_model.base.foreign import Figure
 from film_model.laws import LAWS
 from film_model.laws.example_ball import VELOCITY_RATIO
 from film_model.laws.law import FAMILIES
@@ -14,7 +15,6 @@ from film_model.studies.law_gallery import Loop, gallery_loops
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
 
 COLUMNS = 6
 FAMILY_COLOURS = dict(zip(FAMILIES, COLOURS, strict=False))

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from film_model.base.foreign import Figure
 from film_model.effects.effect import percent
 from film_model.laws.big_alabo import FULLY_PLASTIC
 from film_model.plot.style import HIGHLIGHT, REGIMES, picture, plain
@@ -16,7 +17,6 @@ from film_model.studies.regimes import Regimes, regimes
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
 
 SIZE = (7.6, 5.4)  # inches
 _RATIO = r"$V_0/V_\mathrm{Y}$"

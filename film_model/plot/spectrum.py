@@ -4,15 +4,12 @@ from __future__ import annotations
 
 import os
 from itertools import cycle
-from typing import TYPE_CHECKING
 
 import numpy as np
 
+from film_model.base.foreign import Figure
 from film_model.plot.style import COLOURS, picture, plain
 from film_model.solve.spectrum import Spectrum
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 
 def plot_spectrum(

@@ -9,13 +9,13 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from film_model.base.foreign import Figure
 from film_model.base.units import format_si
 from film_model.plot.style import COLOURS, HIGHLIGHT, picture, plain
 from film_model.solve.history import History
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
 
 BALLS = 4
 """Before and after the impact, beside the ball in contact."""

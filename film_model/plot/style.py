@@ -12,16 +12,14 @@ import math
 import os
 from collections.abc import Callable, Generator
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from film_model.base.errors import did_you_mean, shown
 from film_model.base.files import written_whole
+from film_model.base.foreign import Figure
 from film_model.base.units import PREFIXED, scene_unit
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 SUFFIXES = (".png", ".svg", ".pdf")
 

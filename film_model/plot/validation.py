@@ -4,13 +4,11 @@ from __future__ import annotations
 
 import os
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+from film_model.base.foreign import Figure
 from film_model.plot.style import COLOURS, HIGHLIGHT, picture
 from film_model.studies.validation import AUTO, GROUPS, LawReport
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 OTHERS = tuple(colour for colour in COLOURS if colour != HIGHLIGHT)
 RESTITUTION = "coefficient_of_restitution"

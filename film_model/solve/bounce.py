@@ -12,6 +12,7 @@ import numpy as np
 
 from film_model.base import units
 from film_model.base.errors import ImpactWarning, Mistake, SceneError, SimulationError, shown
+from film_model.base.foreign import Dataset, Figure
 from film_model.base.late import Late
 from film_model.base.units import format_si
 from film_model.effects.case import case_of
@@ -22,10 +23,6 @@ from film_model.scene import STANDARD_GRAVITY, Scene
 from film_model.solve.component import ImpactComponent
 from film_model.solve.history import Event
 from film_model.solve.simulate import simulate_chosen
-
-if TYPE_CHECKING:
-    import xarray as xr
-    from matplotlib.figure import Figure
 
 MOST_BOUNCES = 5_000
 """Reached where e stays above 0.9986, at the default resolution."""
@@ -90,7 +87,7 @@ class Bounces:
 
         def __getattr__(self, name: str) -> Any: ...  # the values of `COLUMNS`, added below the class
         def plot(self, path: str | os.PathLike[str] | None = None) -> Figure: ...
-        def to_dataset(self) -> xr.Dataset: ...
+        def to_dataset(self) -> Dataset: ...
         def _repr_html_(self) -> str: ...
     else:
         plot = Late("film_model.methods:plot_bounces")

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from film_model.base import units
 from film_model.base.errors import STATUSES, ImpactWarning, SimulationError, shown
+from film_model.base.foreign import Dataset, Figure
 from film_model.base.late import Late
 from film_model.base.units import format_si
 from film_model.core import chaining, native
@@ -24,10 +25,6 @@ from film_model.scene.chain import Chain
 from film_model.solve.chain_places import displacements
 from film_model.solve.chain_vibrations import Followed, Structure, first_frequency, refined
 from film_model.solve.sensed import quantities_of, split_rows
-
-if TYPE_CHECKING:
-    import xarray as xr
-    from matplotlib.figure import Figure
 
 Array = NDArray[np.float64]
 
@@ -98,7 +95,7 @@ class ChainMotion:
 
         def __getattr__(self, name: str) -> Any: ...  # the values of `BODIES` and `CONTACTS`, added below the class
         def plot(self, path: str | os.PathLike[str] | None = None) -> Figure: ...
-        def to_dataset(self, samples: int = 201) -> xr.Dataset: ...
+        def to_dataset(self, samples: int = 201) -> Dataset: ...
     else:
         plot = Late("film_model.methods:plot_chain")
         to_dataset = Late("film_model.methods:chain_to_dataset")

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from film_model.base import units
 from film_model.base.errors import Outcome, SimulationError, did_you_mean, shown
+from film_model.base.foreign import Dataset, Figure
 from film_model.base.late import Late
 from film_model.core import native
 from film_model.effects.choose import Choice
@@ -24,9 +25,6 @@ from film_model.problem.summary import SUMMARY
 from film_model.scene import Scene
 
 if TYPE_CHECKING:
-    import xarray as xr
-    from matplotlib.figure import Figure
-
     from film_model.base.text import Text
     from film_model.solve.closed_form import ClosedForm
     from film_model.solve.derivatives import Derivatives
@@ -162,7 +160,7 @@ class History:
 
         def __getattr__(self, name: str) -> Any: ...  # the summary values, added below the class
         def plot(self, path: str | os.PathLike[str] | None = None) -> Figure: ...
-        def to_dataset(self, samples: int = 201) -> xr.Dataset: ...
+        def to_dataset(self, samples: int = 201) -> Dataset: ...
         def citations(self) -> Text: ...
         def _repr_html_(self) -> str: ...
     else:

@@ -5,15 +5,13 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from film_datasets.identification.least_squares import identify
 from film_datasets.identification.result import Identification
 from film_model.base.errors import SceneError, SimulationError, not_compared
+from film_model.base.foreign import Dataset
 from film_model.scene import Scene
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 
 @dataclass(frozen=True)
@@ -38,7 +36,7 @@ class LawFit:
 
 
 def compare_laws(
-    measured: xr.Dataset | Sequence[xr.Dataset],
+    measured: Dataset | Sequence[Dataset],
     scene: Scene,
     fit: Sequence[str],
     laws: Sequence[str],
@@ -59,7 +57,7 @@ def compare_laws(
 
 
 def _fit(
-    measured: xr.Dataset | Sequence[xr.Dataset], scene: Scene, fit: Sequence[str], law: str, options: dict[str, Any]
+    measured: Dataset | Sequence[Dataset], scene: Scene, fit: Sequence[str], law: str, options: dict[str, Any]
 ) -> LawFit:
     try:
         found = identify(measured, scene.replace({"contact.law": law}), fit, **options)

@@ -7,7 +7,7 @@ import os
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from statistics import NormalDist
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -16,15 +16,12 @@ from film_datasets.identification.sensor_motions import Array, Motions, sensor_m
 from film_datasets.provenance import dataset_of, text_and_hash
 from film_datasets.schema import FORCE_INTERVAL, MEASUREMENT
 from film_model.base.errors import SimulationError, TooManyModes, shown
+from film_model.base.foreign import Dataset, Figure
 from film_model.base.units import format_si, si_unit
 from film_model.plot.style import COLOURS, HIGHLIGHT, picture, plain, prefixed_unit
 from film_model.scene import Scene
 from film_model.solve.sensed import MOTION, responses
 from film_model.targets import AbstractTarget
-
-if TYPE_CHECKING:
-    import xarray as xr
-    from matplotlib.figure import Figure
 
 MOST_PANELS = 6
 """Sensors in the picture."""
@@ -101,7 +98,7 @@ class IdentifiedForce:
             lines.append(f"  {name:30}{format_si(rms, kind, 3):>16}   {share}".rstrip())
         return "\n".join(lines)
 
-    def to_dataset(self) -> xr.Dataset:
+    def to_dataset(self) -> Dataset:
         """The force with its interval, of kind impact_measurement, which `identify` takes."""
         values = (self.time - self.time[0], self.force, self.low, self.high)
         columns: dict[str, Any] = dict(zip(("t", "contact_force", *FORCE_INTERVAL), values, strict=True))

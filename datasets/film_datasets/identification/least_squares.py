@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any, NamedTuple, cast
+from typing import Any, NamedTuple, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,10 +23,8 @@ from film_datasets.identification.profile import Profile
 from film_datasets.identification.result import FittedParameter, Identification
 from film_datasets.schema import MEASUREMENT, kind_of
 from film_model.base.errors import SceneError, SimulationError, shown
+from film_model.base.foreign import Dataset
 from film_model.scene import Scene, Solver
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 TRIED, SEARCHED = 16, 2
 """Points around the scene's values that are tried, and of which a search starts: a power of two, for Sobol's points."""
@@ -48,7 +46,7 @@ SHARE = 0.05
 
 
 def identify(
-    measured: xr.Dataset | Sequence[xr.Dataset],
+    measured: Dataset | Sequence[Dataset],
     scene: Scene,
     fit: Sequence[str],
     confidence: float = 0.99,
@@ -80,7 +78,7 @@ def identify(
     >>> print(f"{found.scene.contact.yield_strength / 1e6:.0f} MPa")
     123 MPa
     """
-    datasets: list[xr.Dataset] = list(measured) if isinstance(measured, list | tuple) else [cast("Any", measured)]
+    datasets: list[Dataset] = list(measured) if isinstance(measured, list | tuple) else [cast("Any", measured)]
     if not datasets or any(kind_of(one) != MEASUREMENT for one in datasets):
         raise ValueError("a measurement is needed: see film_datasets.from_csv")
     if isinstance(confidence, bool) or not 0.5 <= confidence < 1.0:
@@ -94,7 +92,7 @@ def identify(
     return _identification(fitted, _search(fitted), confidence, intervals)
 
 
-def _cases(datasets: Sequence[xr.Dataset], each: Mapping[str, Sequence[str]], fit: Sequence[str]) -> list[Case]:
+def _cases(datasets: Sequence[Dataset], each: Mapping[str, Sequence[str]], fit: Sequence[str]) -> list[Case]:
     """The measurements with the entries of the scene that are their own."""
     for path, values in each.items():
         if path in fit:

@@ -5,22 +5,19 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from film_datasets.identification.model import DIMENSIONS_OF_QUANTITIES, Case, numerics_of
 from film_datasets.schema import MEASUREMENT, kind_of
 from film_model.base.errors import SimulationError
+from film_model.base.foreign import Dataset
 from film_model.base.units import to_si
 from film_model.scene import Scene, Solver
 
-if TYPE_CHECKING:
-    import xarray as xr
-
 
 def log_likelihood(
-    measured: xr.Dataset, scene: Scene, standard_deviation: Mapping[str, object], time_offset: object = "0 s"
+    measured: Dataset, scene: Scene, standard_deviation: Mapping[str, object], time_offset: object = "0 s"
 ) -> float:
     """ln p of a measurement (`from_csv`) given a scene: −½ Σ ((y − f)/σ)² + ln(2π σ²), for independent Gaussian errors.
 

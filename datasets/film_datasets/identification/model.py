@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,14 +12,12 @@ from numpy.typing import NDArray
 from film_datasets.csv_measurement import measured_over
 from film_datasets.impacts import results_of
 from film_datasets.schema import MEASURED_CONDITIONS, MEASURED_MOTION
+from film_model.base.foreign import Dataset
 from film_model.effects.choose import problem_of
 from film_model.scene import Scene
 from film_model.solve.derivatives import RESULTS
 from film_model.solve.history import Samples
 from film_model.solve.simulate import simulate_quietly
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 Array = NDArray[np.float64]
 
@@ -58,7 +56,7 @@ def numerics_of(scene: Scene) -> Numerics:
 class Case:
     """A measurement with the entries of the scene that are its own, and its time of first touch, s."""
 
-    measured: xr.Dataset
+    measured: Dataset
     changes: Mapping[str, str]
     time_offset: float = 0.0
 
@@ -74,7 +72,7 @@ class Case:
 
 
 def predict(
-    scene: Scene, measured: xr.Dataset, names: Sequence[str], time_offset: float, points: Array | None = None
+    scene: Scene, measured: Dataset, names: Sequence[str], time_offset: float, points: Array | None = None
 ) -> dict[str, Array]:
     """The quantities `names` at the measured times, velocities or angles, or at other `points`, SI.
 
@@ -89,7 +87,7 @@ def predict(
     return {name: _before_first_touch(_motion(samples, scene, name), t, scene, name) for name in names}
 
 
-def _conditions(measured: xr.Dataset, along: str, points: Array | None) -> dict[str, Array]:
+def _conditions(measured: Dataset, along: str, points: Array | None) -> dict[str, Array]:
     """Key of the scene → values of the impacts; between measured points the other conditions are interpolated."""
     order = np.argsort(measured[along].values, kind="stable")
     ends = measured[along].values[order]

@@ -5,12 +5,13 @@ from __future__ import annotations
 import math
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from film_datasets.identification.result import TIME_OFFSET
 from film_datasets.schema import MEASURED_CONDITIONS
 from film_model.base.errors import Mistake, SceneError, raise_all
 from film_model.base.fields import Field
+from film_model.base.foreign import Dataset
 from film_model.base.units import power_stiffness_unit, scene_unit
 from film_model.scene import Scene
 from film_model.scene.contact import parameter_fields, stiffness_unit
@@ -18,9 +19,6 @@ from film_model.scene.paths import field_at, number_text, refuse_twice, unit_of
 
 STIFFNESS, EXPONENT = "contact.stiffness", "contact.exponent"
 """Numbers of which the second is in the unit of the first, so that it is fitted with it only."""
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 
 @dataclass(frozen=True)
@@ -48,7 +46,7 @@ class Parameter:
         return math.log(value / self.start) if self.log else (value - self.start) / self.scale
 
 
-def parameters_of(scene: Scene, fit: Sequence[str], measured: Sequence[xr.Dataset]) -> list[Parameter]:
+def parameters_of(scene: Scene, fit: Sequence[str], measured: Sequence[Dataset]) -> list[Parameter]:
     """The parameters at the paths `fit`; a time offset for each history. Raises SceneError for those that cannot be
     fitted."""
     histories = [ds.attrs["measured"] == "history" for ds in measured]

@@ -6,22 +6,20 @@ import math
 import os
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from film_datasets.axis_style import finite, label
 from film_datasets.csv_measurement import doubts_of, measured_over
 from film_datasets.identification.model import DIMENSIONS_OF_QUANTITIES, Case, numerics_of
+from film_model.base.foreign import Figure
 from film_model.base.hardness import VICKERS
 from film_model.base.units import DIMENSIONS, format_si, si_unit
 from film_model.plot.style import HIGHLIGHT, picture, prefixed_unit
 from film_model.scene import Scene
 from film_model.solve.history import History
 from film_model.solve.simulate import simulate
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 TIME_OFFSET = "time_offset"
 """A parameter of the measurement, not of the scene: time of its first touch, s."""

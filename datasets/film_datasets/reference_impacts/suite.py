@@ -14,7 +14,7 @@ from dataclasses import fields
 from functools import partial
 from multiprocessing import get_context
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple, cast
+from typing import Any, NamedTuple, cast
 
 import numpy as np
 
@@ -23,6 +23,7 @@ from film_datasets.reference_impacts.cases import Case, cases, chain_of, scene_o
 from film_datasets.reference_impacts.second import Second, second, second_bounces, second_chain, second_friction
 from film_datasets.tables import to_frame
 from film_model.base.errors import did_you_mean
+from film_model.base.foreign import DataFrame
 from film_model.base.units import scene_unit, si_unit
 from film_model.effects.choose import problem_of
 from film_model.laws.law import AbstractLaw
@@ -34,9 +35,6 @@ from film_model.solve.chain_motion import BODIES, CONTACTS, FINEST, ChainMotion,
 from film_model.solve.component import ImpactComponent
 from film_model.solve.history import MOTION, History
 from film_model.solve.simulate import simulate_quietly
-
-if TYPE_CHECKING:
-    import pandas as pd
 
 FILES = Path(__file__).parent / "files"
 """Files of the whole suite: its description, licence, metadata, and the schema of summary.json."""
@@ -204,7 +202,7 @@ def bouncing_times(bounces: Bounces) -> list[float]:
     return times
 
 
-def _bouncing_table(bounces: Bounces, accuracy: float) -> pd.DataFrame:
+def _bouncing_table(bounces: Bounces, accuracy: float) -> DataFrame:
     """The motion of the first bounces, as a history's table."""
     import pandas as pd
 

@@ -4,15 +4,13 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Iterator, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from film_datasets.schema.tables import require, variables_of
 from film_datasets.schema.variable import Variable
-
-if TYPE_CHECKING:
-    import xarray as xr
+from film_model.base.foreign import DataArray, Dataset
 
 PIECE = 1 << 20
 """Values that are read from a file at a time."""
@@ -40,7 +38,7 @@ class ContentHash:
         return total.hexdigest()
 
 
-def pieces(array: xr.DataArray) -> Iterator[Any]:
+def pieces(array: DataArray) -> Iterator[Any]:
     """The values of a variable in C order, about `PIECE` at a time."""
     if array.ndim == 0 or array.size <= PIECE:
         yield array.values
@@ -54,7 +52,7 @@ def pieces(array: xr.DataArray) -> Iterator[Any]:
             yield piece.values
 
 
-def content_sha256(ds: xr.Dataset) -> str:
+def content_sha256(ds: Dataset) -> str:
     """SHA-256 over name and SHA-256 of every variable of the schema, in its order; numbers as little-endian bytes,
     texts as lines in UTF-8. Raises ValueError if one is missing.
 

@@ -4,13 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection
 from functools import partial
-from typing import TYPE_CHECKING
 
 from film_datasets.schema.variable import BYTE, FLOAT, Variable, swept_name
+from film_model.base.foreign import Dataset
 from film_model.problem.summary import SUMMARY
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 SIDES = ((-1, "of_smaller_values"), (0, "of_both_sides"), (1, "of_larger_values"), (2, "none"))
 
@@ -64,7 +61,7 @@ def derivative_variables(
     return (*slopes, error, side)
 
 
-def derivatives_in(ds: xr.Dataset, dims: tuple[str, ...]) -> tuple[Variable, ...]:
+def derivatives_in(ds: Dataset, dims: tuple[str, ...]) -> tuple[Variable, ...]:
     """The variables of the derivatives that a dataset says it has; their units are those in the dataset."""
 
     def unit(path: str, quantity: str) -> str | None:
@@ -76,6 +73,6 @@ def derivatives_in(ds: xr.Dataset, dims: tuple[str, ...]) -> tuple[Variable, ...
     return tuple(v for path in paths for v in derivative_variables(path, partial(unit, path), chosen, dims))
 
 
-def differentiated(ds: xr.Dataset) -> list[str]:
+def differentiated(ds: Dataset) -> list[str]:
     """The numbers by which the summary of a sweep is differentiated."""
     return str(ds.attrs.get("derivatives", "")).split()

@@ -3,14 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import TYPE_CHECKING
 
 from film_datasets.schema.variable import FLOAT, Variable
+from film_model.base.foreign import Dataset
 from film_model.base.units import si_unit
 from film_model.solve.sensed import MOTION, STRAIN
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 FORCE_INTERVAL = ("contact_force_low", "contact_force_high")
 """Variables of a measured history that was identified from the motion of sensors."""
@@ -35,7 +32,7 @@ def peak_variables(words: Iterable[str], dims: tuple[str, ...], strained: bool) 
     )
 
 
-def peaks_in(ds: xr.Dataset, dims: tuple[str, ...]) -> tuple[Variable, ...]:
+def peaks_in(ds: Dataset, dims: tuple[str, ...]) -> tuple[Variable, ...]:
     """The variables of the largest motions that a sweep says it has."""
     words = str(ds.attrs.get("sensors", "")).split()
     return peak_variables(words, dims, any(peak_name("strain_x", word) in ds.variables for word in words))

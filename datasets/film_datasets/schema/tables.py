@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,10 +18,8 @@ from film_datasets.schema.derivative_variables import derivatives_in
 from film_datasets.schema.rows import OUT_OF_RANGE, PARTS
 from film_datasets.schema.sensor_variables import FORCE_INTERVAL, peaks_in
 from film_datasets.schema.variable import Variable, swept_name, swept_variables
+from film_model.base.foreign import Dataset
 from film_model.oblique.result import BOUNDS, OBLIQUE
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 HISTORY, SWEEP, MEASUREMENT, COST = "impact_history", "impact_sweep", "impact_measurement", "impact_cost_study"
 BOUNCES, CHAIN = "impact_bounces", "impact_chain"
@@ -131,7 +129,7 @@ ATTRIBUTES: dict[str, tuple[str, ...]] = {
 set too unless the scene gives segments."""
 
 
-def kind_of(ds: xr.Dataset) -> str:
+def kind_of(ds: Dataset) -> str:
     """The kind of a dataset. Raises ValueError if film-model did not write it."""
     kind = str(ds.attrs.get("film_model_schema", ""))
     if kind not in VERSIONS:
@@ -139,7 +137,7 @@ def kind_of(ds: xr.Dataset) -> str:
     return kind
 
 
-def variables_of(ds: xr.Dataset) -> tuple[Variable, ...]:
+def variables_of(ds: Dataset) -> tuple[Variable, ...]:
     """The variables that a dataset must have, swept quantities first. Raises ValueError as `kind_of` does."""
     kind = kind_of(ds)
     if kind == MEASUREMENT:
@@ -162,7 +160,7 @@ def variables_of(ds: xr.Dataset) -> tuple[Variable, ...]:
     return (*swept, *found, *constants)
 
 
-def has(ds: xr.Dataset, part: str) -> bool:
+def has(ds: Dataset, part: str) -> bool:
     """Whether a history has any of the variables of a part, such as "steps" or "sensors".
 
     Some names are in two parts, with other dimensions.
@@ -170,7 +168,7 @@ def has(ds: xr.Dataset, part: str) -> bool:
     return any(v.name in ds.variables and ds.variables[v.name].dims == v.dims for v in TABLE[f"{HISTORY} {part}"])
 
 
-def require(ds: xr.Dataset, names: Iterable[str]) -> None:
+def require(ds: Dataset, names: Iterable[str]) -> None:
     """Raise ValueError if variables are missing in a dataset."""
     missing = [name for name in names if name not in ds.variables]
     if missing:
@@ -178,12 +176,12 @@ def require(ds: xr.Dataset, names: Iterable[str]) -> None:
         raise ValueError(f"variable {missing[0]}{more} missing: dropped or renamed, or the file is damaged")
 
 
-def require_impacts(ds: xr.Dataset) -> None:
+def require_impacts(ds: Dataset) -> None:
     """Raise ValueError if the variables that identify the impacts of a sweep are missing."""
     require(ds, ["status", *(swept_name(path) for path in str(ds.attrs.get("swept", "")).split())])
 
 
-def _added_later(kind: str, ds: xr.Dataset) -> set[str]:
+def _added_later(kind: str, ds: Dataset) -> set[str]:
     """Names of the variables that versions after that of the dataset have added."""
     versions = list(ADDED[kind])
     version = ds.attrs.get("film_model_schema_version")

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import hashlib
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -11,12 +10,10 @@ from film_datasets.schema.content_hash import content_sha256, pieces
 from film_datasets.schema.motion_variables import RAGGED, SHARED
 from film_datasets.schema.tables import ADDED, ATTRIBUTES, MEASUREMENT, TABLE, VERSIONS, kind_of, variables_of
 from film_datasets.schema.variable import FLOAT, TEXT, Variable, flag_meanings, holds_text
-
-if TYPE_CHECKING:
-    import xarray as xr
+from film_model.base.foreign import DataArray, Dataset
 
 
-def validate(ds: xr.Dataset) -> list[str]:
+def validate(ds: Dataset) -> list[str]:
     """Every difference between `ds` and the schema, one sentence each; an empty list if it matches.
 
     >>> fd.validate(fd.load("zener"))
@@ -46,7 +43,7 @@ def validate(ds: xr.Dataset) -> list[str]:
     return found or _inconsistencies(ds)
 
 
-def _differences(variable: Variable, array: xr.DataArray) -> list[str]:
+def _differences(variable: Variable, array: DataArray) -> list[str]:
     """Differences between an array and its variable in the schema."""
     kinds = (holds_text(array), array), (variable.dtype == TEXT, variable)
     found = [
@@ -71,7 +68,7 @@ def _differences(variable: Variable, array: xr.DataArray) -> list[str]:
     return found
 
 
-def damage(ds: xr.Dataset, values: bool = True) -> list[str]:
+def damage(ds: Dataset, values: bool = True) -> list[str]:
     """What does not match the hashes that were stored with it, texts and, if `values`, numbers; and units that are not
     those of the schema. Raises ValueError if a variable is missing."""
     checks: dict[str, bool] = {}
@@ -89,7 +86,7 @@ def damage(ds: xr.Dataset, values: bool = True) -> list[str]:
     return [message for message, good in checks.items() if not good]
 
 
-def _inconsistencies(ds: xr.Dataset) -> list[str]:
+def _inconsistencies(ds: Dataset) -> list[str]:
     """Contradictions within a dataset that has every variable and attribute."""
     checks = dict.fromkeys(damage(ds), False)
     if "t" in ds.variables:
@@ -102,7 +99,7 @@ def _inconsistencies(ds: xr.Dataset) -> list[str]:
     return [message for message, good in checks.items() if not good]
 
 
-def _places(ds: xr.Dataset, dim: str) -> dict[str, bool]:
+def _places(ds: Dataset, dim: str) -> dict[str, bool]:
     """Whether the rows of the impacts of a sweep follow each other along a dimension or, if shared, are there."""
     end, good = 0, True
     for begins, counts in zip(pieces(ds[f"{dim}_begin"]), pieces(ds[f"{dim}_count"]), strict=True):

@@ -4,14 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
+from film_model.base.foreign import DataArray, Dataset
 from film_model.base.units import DIMENSIONS
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 FLOAT, BYTE, INTEGER, LONG, TEXT = (np.dtype(kind) for kind in (np.float64, np.int8, np.int32, np.int64, np.str_))
 
@@ -61,7 +59,7 @@ class Variable:
         return replace(self, dims=tuple(d for dim in self.dims for d in (dims if dim == IMPACTS else (dim,))))
 
 
-def dimension_of(array: xr.DataArray) -> str:
+def dimension_of(array: DataArray) -> str:
     """The dimension of a variable's unit; see `dimension_of_unit`."""
     return dimension_of_unit(array.attrs.get("units", "1"))
 
@@ -99,17 +97,17 @@ def flag_words(names: Sequence[str], taken: Sequence[str] = ()) -> tuple[str, ..
     return tuple(words[len(taken) :])
 
 
-def flag_meanings(array: xr.DataArray) -> list[str]:
+def flag_meanings(array: DataArray) -> list[str]:
     """The flag meanings of a variable in the order of their values; empty if it has no flags."""
     return str(array.attrs.get("flag_meanings", "")).split()
 
 
-def holds_text(array: xr.DataArray | xr.Variable) -> bool:
+def holds_text(array: Any) -> bool:
     """Whether the values are texts: fixed in length, Python objects, or of variable length (from Zarr)."""
     return array.dtype.kind in "UOT"
 
 
-def words_of(array: xr.DataArray) -> list[str]:
+def words_of(array: DataArray) -> list[str]:
     """The word for each value of a swept quantity; empty if its values are numbers."""
     if holds_text(array):
         return [str(word) for word in np.ravel(array.values)]
@@ -117,7 +115,7 @@ def words_of(array: xr.DataArray) -> list[str]:
     return [meanings[number] for number in np.ravel(array.values).tolist()] if meanings else []
 
 
-def swept_variables(paths: list[str], ds: xr.Dataset) -> tuple[Variable, ...]:
+def swept_variables(paths: list[str], ds: Dataset) -> tuple[Variable, ...]:
     """The variables of a dataset's swept quantities; their units and labels are those in the dataset."""
     found: list[Variable] = []
     for path in paths:

@@ -8,7 +8,7 @@ import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,6 +24,7 @@ from film_datasets.sweeps.designs import DESIGNS, GRID, SAMPLED, ZIP, option_mis
 from film_datasets.sweeps.distributions import correlated, correlation_factor
 from film_model.base.arrays import Index
 from film_model.base.errors import Mistake, SceneError, did_you_mean, raise_all, shown
+from film_model.base.foreign import Dataset
 from film_model.effects.edge_effects import edged
 from film_model.problem.law_of_scene import DAMPED, ELASTIC, POWER, STEEP, YIELDING
 from film_model.problem.summary import SUMMARY
@@ -33,9 +34,6 @@ from film_model.scene.paths import number_text
 from film_model.scene.toml import NO_FILES, toml_table
 from film_model.solve.derivatives import Entry, entries_of
 from film_model.targets.sensors import sensor_words
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 MOST_COMBINATIONS = 10_000
 """Combinations of choices that a sweep may have: a scene is held for each."""
@@ -108,7 +106,7 @@ class Sweep:
         return sweep
 
     @classmethod
-    def of_dataset(cls, ds: xr.Dataset) -> Sweep:
+    def of_dataset(cls, ds: Dataset) -> Sweep:
         """The sweep that a dataset was made by."""
         base = Scene.from_stored_text(str(ds.attrs["scene_toml"]), "scene_toml")
         kept = str(ds.attrs["kept"]).split()

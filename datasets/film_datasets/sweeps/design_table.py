@@ -5,23 +5,20 @@ from __future__ import annotations
 import io
 import os
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeGuard
+from typing import Any, TypeGuard
 
 import numpy as np
 
 from film_datasets.csv_measurement import split_heading
 from film_datasets.tables import NEEDS_PARQUET
 from film_model.base.errors import Mistake, SceneError, raise_all, shown
+from film_model.base.foreign import DataFrame, Dataset
 from film_model.scene.toml import LARGEST_TABLE, read_text
-
-if TYPE_CHECKING:
-    import pandas as pd
-    import xarray as xr
 
 SUFFIXES = (".csv", ".parquet")
 
 
-def is_table(given: object) -> TypeGuard[pd.DataFrame | xr.Dataset]:
+def is_table(given: object) -> TypeGuard[DataFrame | Dataset]:
     """Whether this is a DataFrame or a Dataset."""
     import xarray as xr
 
@@ -33,7 +30,7 @@ def over_of_file(path: str | os.PathLike[str]) -> dict[str, Any]:
     return over_of_table(_read(Path(path)), str(path))
 
 
-def over_of_table(table: pd.DataFrame | xr.Dataset, name: str = "table") -> dict[str, Any]:
+def over_of_table(table: DataFrame | Dataset, name: str = "table") -> dict[str, Any]:
     """The lists side by side of a table whose columns are scene keys: path → values as a scene file has them.
 
     A heading is `impactor.velocity [m/s]`; the variables of a Dataset have their unit in the attribute `units`. Cells
@@ -83,7 +80,7 @@ def _cell(value: Any, unit: str) -> Any:
     return f"{value!r} {unit}" if unit else float(value)
 
 
-def _read(path: Path) -> pd.DataFrame:
+def _read(path: Path) -> DataFrame:
     import pandas as pd  # lazy: it takes 0.5 s
 
     if path.suffix == ".parquet":

@@ -2,21 +2,19 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from film_datasets.schema import dimension_of, swept_name, words_of
 from film_datasets.sweeps.statistics import sweep_report
+from film_model.base.foreign import DataArray, Dataset
 from film_model.base.units import format_si
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 PERCENTILES = (5, 25, 50, 75, 95)
 
 
-def sweep_digest(ds: xr.Dataset) -> dict[str, Any]:
+def sweep_digest(ds: Dataset) -> dict[str, Any]:
     """As `sweep_report`; every quantity also has `percentiles`, and `least_at` and `greatest_at`: the impact's place
     along each dimension, and its swept values (SI, or words). One quantity at a time is in memory."""
     report = sweep_report(ds)
@@ -35,7 +33,7 @@ def sweep_digest(ds: xr.Dataset) -> dict[str, Any]:
     return report
 
 
-def _impact(ds: xr.Dataset, array: xr.DataArray, flat: int, swept: list[str]) -> dict[str, Any]:
+def _impact(ds: Dataset, array: DataArray, flat: int, swept: list[str]) -> dict[str, Any]:
     """Where an impact is, and its swept values."""
     places = np.unravel_index(flat, array.shape) if array.dims else ()
     at = {str(dim): int(place) for dim, place in zip(array.dims, places, strict=True)}
@@ -44,7 +42,7 @@ def _impact(ds: xr.Dataset, array: xr.DataArray, flat: int, swept: list[str]) ->
     return {"at": at, "values": values}
 
 
-def digest_text(ds: xr.Dataset, report: dict[str, Any], quantities: list[str]) -> str:
+def digest_text(ds: Dataset, report: dict[str, Any], quantities: list[str]) -> str:
     """The report as text, for some of its quantities."""
     ended = ", ".join(f"{count} {word.replace('_', ' ')}" for word, count in report["statuses"].items())
     lines = [report["title"], f"{report['impacts']} impacts: {ended}; {len(report['warnings'])} warnings", ""]

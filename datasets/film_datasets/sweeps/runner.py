@@ -6,7 +6,7 @@ import contextlib
 import os
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from film_datasets.files import SUFFIX, ZARR, check_file, check_place, open_dataset, put_in_place, write
 from film_datasets.schema import SWEEP, VERSIONS, ContentHash
@@ -30,11 +30,9 @@ from film_datasets.sweeps.interruptions import explained
 from film_datasets.sweeps.progress_bar import Progress
 from film_datasets.sweeps.storage import Storage, written_content
 from film_datasets.tables import TABLES
+from film_model.base.foreign import Dataset
 from film_model.scene import Scene
 from film_model.version import __version__
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 MOST_IN_MEMORY = 4_000_000_000
 """Bytes of a sweep without an output file."""
@@ -56,7 +54,7 @@ def sweep(
     scheduler: Any = None,
     resume: bool = False,
     overwrite: bool = False,
-) -> xr.Dataset:
+) -> Dataset:
     """Impacts of a scene over swept quantities, as a dataset with every summary quantity of every impact.
 
     over: path in a scene file such as "impactor.velocity" → its values: a list (["250 MPa", "310 MPa"], a pint
@@ -113,7 +111,7 @@ def run_sweep(
     overwrite: bool = False,
     progress: Progress | None = None,
     announce: Callable[[str], None] | None = None,
-) -> xr.Dataset:
+) -> Dataset:
     """Run a sweep; see `film_datasets.sweep`. command: for the attribute `history`. progress: called after each block.
     announce: called before the first, with the sizes that segments and output will have, if segments are kept.
 
@@ -146,7 +144,7 @@ def run_sweep(
     return open_dataset(target)
 
 
-def _in_memory(run: Run, workers: int | None, scheduler: Any) -> xr.Dataset:
+def _in_memory(run: Run, workers: int | None, scheduler: Any) -> Dataset:
     """The dataset of a sweep without an output."""
     if (need := run.sweep.size * run.blocks.size.each) > MOST_IN_MEMORY:
         raise MemoryError(
@@ -159,9 +157,7 @@ def _in_memory(run: Run, workers: int | None, scheduler: Any) -> xr.Dataset:
     return writer.dataset
 
 
-def _write_table(
-    run: Run, target: Path, workers: int | None, scheduler: Any, resume: bool, overwrite: bool
-) -> xr.Dataset:
+def _write_table(run: Run, target: Path, workers: int | None, scheduler: Any, resume: bool, overwrite: bool) -> Dataset:
     """Compute the sweep in memory and write it as a table."""
     if run.sweep.keep != "summary":
         raise ValueError(f"{target}: {run.sweep.keep} do not fit a table: use FILE{SUFFIX} or FILE{ZARR}")

@@ -9,7 +9,7 @@ import shutil
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from film_datasets.files import ZARR, check_place, open_dataset, put_in_place
 from film_datasets.provenance import PROGRAM
@@ -27,9 +27,7 @@ from film_datasets.sweeps.interruptions import explained
 from film_datasets.sweeps.progress_bar import Progress
 from film_datasets.sweeps.storage import Storage
 from film_model.base.files import written_whole
-
-if TYPE_CHECKING:
-    import xarray as xr
+from film_model.base.foreign import Dataset
 
 _SHARD = re.compile(r"(\d{1,9})/(\d{1,9})")
 
@@ -208,7 +206,7 @@ def run_shard(
     return shards.missing()
 
 
-def finish_shards(sweep: Sweep, output: str | os.PathLike[str], *, command: str, overwrite: bool = False) -> xr.Dataset:
+def finish_shards(sweep: Sweep, output: str | os.PathLike[str], *, command: str, overwrite: bool = False) -> Dataset:
     """Check that all shards of a sweep are there and as they were written, and put the Zarr folder in its place: with
     the same bytes as a single run's. command: for the attribute `history`.
 

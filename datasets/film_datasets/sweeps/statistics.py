@@ -3,21 +3,19 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from film_datasets.provenance import warnings_of
 from film_datasets.schema import RAGGED, flag_meanings, has_failed, pieces, require_impacts
+from film_model.base.foreign import DataArray, Dataset
 from film_model.base.units import si_unit
 from film_model.oblique.result import RESULTS
 from film_model.solve.history import SUMMARY
 
-if TYPE_CHECKING:
-    import xarray as xr
 
-
-def sweep_report(ds: xr.Dataset) -> dict[str, Any]:
+def sweep_report(ds: Dataset) -> dict[str, Any]:
     """Plain values for JSON, SI: numbers of impacts, failed and by status, the statistics of the summary, and the size
     of the segments before compression, if they are kept.
 
@@ -53,7 +51,7 @@ def sweep_report(ds: xr.Dataset) -> dict[str, Any]:
     }
 
 
-def statistics(array: xr.DataArray) -> dict[str, float | int | None]:
+def statistics(array: DataArray) -> dict[str, float | int | None]:
     """Count, least, mean, standard deviation (of the sample) and greatest of the finite values."""
     count, mean, square, least, greatest = 0, 0.0, 0.0, math.inf, -math.inf
     for piece in pieces(array):

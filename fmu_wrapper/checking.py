@@ -11,8 +11,8 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
+from film_model.base.arrays import Array, Mask
 from film_model.base.errors import DamagedFile
 from film_model.base.units import format_si
 from film_model.core import native
@@ -186,7 +186,7 @@ def _compared(what: str, ds: xr.Dataset, component: ImpactComponent, step: float
     return findings + _compared_events(what, ds, events, known, allowed)
 
 
-def _stored_results(fmu: Fmu) -> dict[str, NDArray[np.float64]] | None:
+def _stored_results(fmu: Fmu) -> dict[str, Array] | None:
     """The reference results inside an FMU; None without them. Raises DamagedFile."""
     path = Path(fmu.folder, related.FOLDER, related.RESULTS)
     if not path.is_file():
@@ -198,7 +198,7 @@ def _stored_results(fmu: Fmu) -> dict[str, NDArray[np.float64]] | None:
 
 
 def _compared_stored(
-    ds: xr.Dataset, stored: dict[str, NDArray[np.float64]], component: ImpactComponent, allowed: float
+    ds: xr.Dataset, stored: dict[str, Array], component: ImpactComponent, allowed: float
 ) -> list[Finding]:
     """Findings from a run in the steps of the default experiment and the reference results inside the FMU."""
     times = ds["t"].values - float(ds["t"][0])
@@ -212,9 +212,9 @@ def _compared_stored(
 
 def _compared_motion(
     what: str,
-    times: NDArray[np.float64],
-    theirs: dict[str, NDArray[np.float64]],
-    motion: dict[str, NDArray[np.float64]],
+    times: Array,
+    theirs: dict[str, Array],
+    motion: dict[str, Array],
     events: list[tuple[float, str]],
     component: ImpactComponent,
     allowed: float,
@@ -241,7 +241,7 @@ def _compared_motion(
     return findings
 
 
-def _near(times: NDArray[np.float64], events: list[tuple[float, str]], kinds: Collection[str]) -> NDArray[np.bool_]:
+def _near(times: Array, events: list[tuple[float, str]], kinds: Collection[str]) -> Mask:
     """Times, but for rounding, of such events. The force of some laws jumps where a stage changes, that of a law that
     pulls, and on vibrating targets, where touch is found to a tolerance, where a contact begins or ends; on a static
     stiffness, also of omitted vibrations, the rate of indentation jumps where that of the contact changes."""

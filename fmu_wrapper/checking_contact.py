@@ -9,8 +9,8 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from film_model.base.arrays import Array
 from film_model.core import native
 from fmu_wrapper.findings import STEPS_TOLERANCE, Finding
 from fmu_wrapper.instance import Fmu, Slave, started
@@ -72,7 +72,7 @@ def _path(data: Data) -> Path:
     return Path((0.0, 0.7 * deepest, gap, deepest, gap), 0.5 * math.pi * deepest / data.speed)
 
 
-def _forces(data: Data, path: Path) -> NDArray[np.float64]:
+def _forces(data: Data, path: Path) -> Array:
     """The law's force [N] at the communication points, with its memory of earlier turning points."""
     rows = [path.at(time) for time in path.times]
     if data.curve.stage[0].damped:  # no memory, and no tension
@@ -92,7 +92,7 @@ def _forces(data: Data, path: Path) -> NDArray[np.float64]:
     return np.array(found)
 
 
-def _stepped(fmu: Fmu, path: Path) -> tuple[NDArray[np.float64], float]:
+def _stepped(fmu: Fmu, path: Path) -> tuple[Array, float]:
     """Forces [N] of the FMU at the communication points, and the number of contacts."""
     force: list[float] = []
     with started(fmu, False, _inputs(path, 0.0)) as slave:
@@ -103,7 +103,7 @@ def _stepped(fmu: Fmu, path: Path) -> tuple[NDArray[np.float64], float]:
         return np.array(force), slave.get(("contact_count",))["contact_count"]
 
 
-def _exchanged(fmu: Fmu, path: Path) -> tuple[NDArray[np.float64], float]:
+def _exchanged(fmu: Fmu, path: Path) -> tuple[Array, float]:
     """The same in Model Exchange: events are handled at the first time at which an indicator is not positive."""
     force: list[float] = []
 

@@ -6,8 +6,8 @@ import csv
 import io
 
 import numpy as np
-from numpy.typing import NDArray
 
+from film_model.base.arrays import Array
 from film_model.solve.component import ImpactComponent
 from film_model.solve.history import MOTION
 from fmu_wrapper.model_description import Experiment
@@ -46,7 +46,7 @@ def related_files(component: ImpactComponent | None, experiment: Experiment) -> 
     return {f"{FOLDER}/fmi-ls-manifest.xml": manifest.encode(), **files}
 
 
-def reference_results(text: str) -> dict[str, NDArray[np.float64]]:
+def reference_results(text: str) -> dict[str, Array]:
     """Columns of reference results by name. Raises ValueError if a column is missing or a value is not a number."""
     names = ["time", *MOTION]
     head, _, rows = text.partition("\n")

@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 from numpy.polynomial.chebyshev import chebval
-from numpy.typing import NDArray
 
+from film_model.base.arrays import Array
 from film_model.base.errors import SimulationError
 from film_model.base.units import scene_unit
 from film_model.core import native
@@ -146,9 +146,7 @@ def _put_relaxation_and_friction(data: Data, problem: Problem, tolerance: float)
         data.tail += np.array(table).tobytes()
 
 
-def _put_damping(
-    data: Data, problem: Problem, powers: dict[str, float | None], series: NDArray[np.float64] | None
-) -> None:
+def _put_damping(data: Data, problem: Problem, powers: dict[str, float | None], series: Array | None) -> None:
     """The damping factor, its powers and its series in the restitution."""
     data.damping = damping_factor(problem.law, problem)
     data.restitution[:] = [0.0] * RESTITUTION_TERMS if series is None else series
@@ -185,7 +183,7 @@ def _of_scene(problem: Problem) -> dict[str, float]:
     }
 
 
-def _put_modes(data: Data, problem: Problem, vibration: Vibration, weights: NDArray[np.float64]) -> None:
+def _put_modes(data: Data, problem: Problem, vibration: Vibration, weights: Array) -> None:
     """The modes of a vibrating target and its sensors; `rest` is the compliance of the others."""
     tables, start, count = vibration.tables, vibration.start, vibration.modes
     if count > MOST_MODES:
@@ -251,7 +249,7 @@ def _put_family(data: Data, problem: Problem) -> None:
     data.tail = bytes(page.whole) + page.family.memory.tobytes()
 
 
-def mode_frequencies(data: Data) -> NDArray[np.float64]:
+def mode_frequencies(data: Data) -> Array:
     """The natural frequencies of a vibrating target, rad/s."""
     return np.frombuffer(data.tail)[-3 * data.modes.count :][: data.modes.count]
 

@@ -7,7 +7,6 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from film_datasets.dataset_plots import plot
 from film_datasets.history_dataset import history_of, tables_of
@@ -29,6 +28,7 @@ from film_datasets.schema import (
 )
 from film_datasets.sweeps import Sweep, statistics
 from film_model.base import units
+from film_model.base.arrays import Array
 from film_model.base.errors import shown
 from film_model.base.foreign import Dataset
 from film_model.base.units import to_si
@@ -245,7 +245,7 @@ class Film:
             raise KeyError(f"{dim} {shown(value)}: there are {', '.join(present)}")
         return present.index(str(value))
 
-    def _sample_all(self, t: NDArray[np.float64]) -> Dataset:
+    def _sample_all(self, t: Array) -> Dataset:
         """Motion of all impacts, over their dimensions and t."""
         import xarray as xr
 
@@ -259,7 +259,7 @@ class Film:
         swept = {axis.name: self._ds[axis.name] for axis in sweep.axes}
         return xr.Dataset(data, coords={"t": ("t", t, table["t"]), **swept})
 
-    def _sample_impact(self, t: NDArray[np.float64], where: Mapping[str, Any]) -> dict[str, Any]:
+    def _sample_impact(self, t: Array, where: Mapping[str, Any]) -> dict[str, Any]:
         """Motion of one impact of a sweep, from its segments or steps."""
         if self.kind != SWEEP:
             raise ValueError(f"a dataset of kind {self.kind} has no impacts to sample")
@@ -284,7 +284,7 @@ class Film:
         return sample_closed_form(self._impact_scene(where), form, units, t)
 
 
-def _read_times(times: Any) -> NDArray[np.float64]:
+def _read_times(times: Any) -> Array:
     """Times in a list, s. Raises ValueError for another shape, or a time before first touch."""
     t = np.atleast_1d(units.array_to_si(times, "time", bare=True))
     if t.ndim > 1:

@@ -5,10 +5,10 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from film_datasets.provenance import PROGRAM, as_lines, dataset_of, text_and_hash
 from film_datasets.schema import CHAIN, HISTORY
+from film_model.base.arrays import Array
 from film_model.base.foreign import Dataset
 from film_model.scene.chain import Chain
 from film_model.solve.chain_motion import ChainMotion
@@ -49,7 +49,7 @@ def chain_dataset(motion: ChainMotion, samples: int, command: str) -> Dataset:
     return dataset_of(CHAIN, values, about, own, parts=(f"{HISTORY} sensors", f"{HISTORY} strains"))
 
 
-def _sampled(motion: ChainMotion, t: NDArray[np.float64]) -> dict[str, Any]:
+def _sampled(motion: ChainMotion, t: Array) -> dict[str, Any]:
     """The motion at times, s, and the largest motions of sensors."""
     if (target := motion.chain.target) is None or not target.sensors:
         return motion.sample_si(t)

@@ -29,6 +29,7 @@ from film_datasets.schema import (
     has,
     require,
 )
+from film_model.base.arrays import Array
 from film_model.base.errors import Outcome
 from film_model.base.foreign import Dataset
 from film_model.core.native import BRANCH_NAMES, EVENTS
@@ -230,7 +231,7 @@ def _read_events(ds: Dataset, names: list[str]) -> tuple[Event, ...]:
     return tuple(Event(EVENTS[kind], time, names[stage], *motion) for kind, time, stage, *motion in table)
 
 
-def _times(history: History, samples: int) -> NDArray[np.float64]:
+def _times(history: History, samples: int) -> Array:
     """Evenly spaced times and event times, increasing, each once."""
     events = np.array([event.time for event in history.events])
     even = np.linspace(0.0, history.duration, samples)
@@ -244,7 +245,7 @@ def _stage_numbers(history: History, names: Any) -> list[int]:
     return [numbers[name] for name in names]
 
 
-def _motion(history: History, t: NDArray[np.float64]) -> dict[str, Any]:
+def _motion(history: History, t: Array) -> dict[str, Any]:
     """Samples at t [s]; at an event the event's own values, from which samples differ by rounding."""
     samples = history.sample_si(t)
     columns: dict[str, Any] = {name: np.array(getattr(samples, name)) for name in MOTION}
@@ -277,7 +278,7 @@ def _closed_form(history: History) -> dict[str, Any]:
     }
 
 
-def _sensors(history: History, times: NDArray[np.float64]) -> dict[str, Any]:
+def _sensors(history: History, times: Array) -> dict[str, Any]:
     """The columns of sensors; none without them, or if the target does not vibrate."""
     peaks = history.sensor_peaks
     if not peaks:

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from film_datasets.friction_dataset import ERROR, REGIME
-from film_model.base.arrays import Array, Index, index_or_all, index_or_span
+from film_model.base.arrays import Array, Index, Mask, index_or_all, index_or_span
 from film_model.base.errors import SceneError, SimulationError
 from film_model.core import native
 from film_model.core.records import Rows, record_many, recorded, sample_many
@@ -73,8 +73,8 @@ class Impacts:
     laws: tuple[str, ...]
     law: NDArray[np.int8]
     zener_number: Array
-    gains_energy: NDArray[np.bool_]
-    faster: NDArray[np.bool_]
+    gains_energy: Mask
+    faster: Mask
     estimated: Array
     friction: dict[str, NDArray[Any]]
     _problems: tuple[Problem, ...] = field(repr=False)
@@ -82,7 +82,7 @@ class Impacts:
     _followed: tuple[Followed, ...] = field(repr=False)
 
     @property
-    def on_modes(self) -> NDArray[np.bool_]:
+    def on_modes(self) -> Mask:
         """Which impacts are on targets that vibrate."""
         return (self._segments[:, 0] == 0) & (self.status >= 0)
 

@@ -18,11 +18,11 @@ from decimal import Decimal
 from functools import cache, partial
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias, TypeGuard, cast
 
+from film_model.base.arrays import Array
 from film_model.base.errors import shown
 from film_model.base.unit_symbols import Powers, QuantityLike, parse_unit, quantity_powers, rounded, unit_size
 
 if TYPE_CHECKING:
-    import numpy as np
     from numpy.typing import NDArray
 
 Value: TypeAlias = str | QuantityLike
@@ -96,7 +96,7 @@ def power_stiffness_unit(exponent: float) -> str:
     return f"N/m^{exponent:.9f}".rstrip("0").rstrip(".")
 
 
-def array_to_si(values: object, dimension: str, *, bare: bool = False) -> NDArray[np.float64]:
+def array_to_si(values: object, dimension: str, *, bare: bool = False) -> Array:
     """An array, a quantity that holds one, or a sequence of values, as finite SI floats."""
     import numpy as np
 
@@ -116,7 +116,7 @@ def array_to_si(values: object, dimension: str, *, bare: bool = False) -> NDArra
     return array
 
 
-def _filled(values: Any) -> NDArray[np.float64]:
+def _filled(values: Any) -> Array:
     """As floats; masked values become nan."""
     import numpy as np
 

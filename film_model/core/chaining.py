@@ -10,10 +10,9 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from film_model.base.arrays import Array
 from film_model.core import native
 from film_model.core.headers import Header
-
-Array = NDArray[np.float64]
 
 MOST_STEPS = 500_000
 MOST_WORK = 100_000_000  # steps times vibrations, half a minute

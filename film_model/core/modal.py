@@ -10,11 +10,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from film_model.base.arrays import Array
 from film_model.core import native
 from film_model.core.headers import Header
 from film_model.core.native import Curve
-
-Array = NDArray[np.float64]
 
 MODAL = Header("modal/film_modal.h", native.CORE)
 LEVELS, MODES_OF_A_STEP, MOST_WORK = MODAL.film("LEVELS", "MODES_OF_A_STEP", "MOST_WORK")

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from film_model.base.arrays import Array
 from film_model.core import modal
 
 Table = NDArray[Any]
@@ -51,7 +52,7 @@ def segments_of(steps: Table, unit: float, rest: float) -> Table:
     return segments
 
 
-def flights_of(flights: NDArray[np.float64]) -> Table:
+def flights_of(flights: Array) -> Table:
     """The states of the modes where flights begin, mode by mode; from (flights, 2 modes)."""
     modes = flights.shape[1] // 2
     states: Table = np.empty(len(flights) * modes, FLIGHT_DTYPE)
@@ -59,7 +60,7 @@ def flights_of(flights: NDArray[np.float64]) -> Table:
     return states
 
 
-def rows_of_flights(states: Table, modes: int) -> NDArray[np.float64]:
+def rows_of_flights(states: Table, modes: int) -> Array:
     """The reverse of :func:`flights_of`."""
     return np.hstack([states[name].reshape(-1, modes) for name in FLIGHT_DTYPE.names or ()])
 

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from film_model.base.arrays import Array
 from film_model.core.headers import Header, check_sizes
 
 CORE = Header("film_core.h")
@@ -212,9 +213,7 @@ def _rows(memory: NDArray[np.uint8], count: int, dtype: np.dtype[Any]) -> NDArra
     return np.ndarray(count, dtype, memory[: count * dtype.itemsize].copy())
 
 
-def sample(
-    curve: Curve, lines: NDArray[Any], times: NDArray[np.float64]
-) -> tuple[NDArray[np.float64], NDArray[np.int8], NDArray[np.int8]]:
+def sample(curve: Curve, lines: NDArray[Any], times: Array) -> tuple[Array, NDArray[np.int8], NDArray[np.int8]]:
     """(count, 5) values ξ, ξ', f, ν, target displacement at ascending times; branch and phase of each."""
     if len(lines) == 0:
         raise ValueError("there are no lines to sample")
@@ -285,7 +284,7 @@ def switch(curve: Curve, state: State) -> list[tuple[str, int]]:
     return made
 
 
-def motion(curve: Curve, state: State) -> NDArray[np.float64]:
+def motion(curve: Curve, state: State) -> Array:
     """Indentation, its rate, force, ν and displacement of the struck point, as `sample` has them."""
     values = np.empty(5)
     library().film_motion(c.byref(curve), c.byref(state), values.ctypes.data)

@@ -9,11 +9,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from film_model.base.arrays import Array, Index
 from film_model.core import native
 from film_model.core.headers import Header
-
-Array = NDArray[np.float64]
-Index = NDArray[np.intp]
 
 RITZ = Header("plate/film_ritz.h", native.CORE)
 EDGES = "simply supported", "clamped", "free"

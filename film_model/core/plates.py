@@ -5,12 +5,10 @@ from __future__ import annotations
 import ctypes as c
 
 import numpy as np
-from numpy.typing import NDArray
 
+from film_model.base.arrays import Array
 from film_model.core import native
 from film_model.core.headers import Header
-
-Array = NDArray[np.float64]
 
 PLATE = Header("plate/film_plate.h", native.CORE)
 

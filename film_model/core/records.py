@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from film_model.base.arrays import Index
+from film_model.base.arrays import Array, Index
 from film_model.core import native
 
 LINES, EVENTS = 1 << 11, 1 << 10
@@ -112,7 +112,7 @@ def _longer(columns: NDArray[Any], begun: int, length: int) -> NDArray[Any]:
     return longer
 
 
-def sample_many(curve: native.Curve, lines: Lines, times: NDArray[np.float64]) -> NDArray[np.float64]:
+def sample_many(curve: native.Curve, lines: Lines, times: Array) -> Array:
     """(5, contacts, times) values as `native.sample` at ascending times (contacts, times); every contact has lines."""
     times, table = np.ascontiguousarray(times, np.float64), np.ascontiguousarray(lines.table)
     values = np.empty((5, *times.shape))

@@ -9,10 +9,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from film_model.base.arrays import Array
 from film_model.core import native
 from film_model.core.headers import Header
-
-Array = NDArray[np.float64]
 
 RELAX = Header("relax/film_relax.h", native.CORE)
 MOST_TERMS, MOST_STEPS = RELAX.film("RELAXATIONS", "RELAX_STEPS")

@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from film_model.base.arrays import Array
 from film_model.core import native
 from film_model.core.native import FULL, START_DTYPE, SUMMARY_DTYPE, Curve, Mesh, Solution, Start, Summary, at, library
 
@@ -91,7 +92,7 @@ def dents(curve: Curve, depth: Any, end: Any, places: Any = None, values: Any = 
     return left if np.ndim(depth) else float(left[0])
 
 
-def bound_fine(cut: Mesh, start: NDArray[Any], coarse: Any, fine: Any, off: Any, before: Any) -> NDArray[np.float64]:
+def bound_fine(cut: Mesh, start: NDArray[Any], coarse: Any, fine: Any, off: Any, before: Any) -> Array:
     """Bounds on the errors of many contacts on a mesh, from their difference `off` to half as many segments."""
     tables = [np.ascontiguousarray(start, START_DTYPE)]
     tables += [np.ascontiguousarray(each, SUMMARY_DTYPE) for each in (coarse, fine)]
@@ -101,7 +102,7 @@ def bound_fine(cut: Mesh, start: NDArray[Any], coarse: Any, fine: Any, off: Any,
     return bound
 
 
-def bound_coarse(cut: Mesh, start: NDArray[Any], coarse: Any, off: Any) -> NDArray[np.float64]:
+def bound_coarse(cut: Mesh, start: NDArray[Any], coarse: Any, off: Any) -> Array:
     """The same from the difference to twice as many segments."""
     tables = [np.ascontiguousarray(start, START_DTYPE), np.ascontiguousarray(coarse, SUMMARY_DTYPE)]
     tables.append(np.ascontiguousarray(off, np.float64))

@@ -15,11 +15,9 @@ from dataclasses import dataclass
 from typing import Any, ClassVar, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
+from film_model.base.arrays import Array
 from film_model.base.errors import shown
-
-Array = NDArray[np.float64]
 
 Family = Literal["elastic", "yields", "spring", "measured", "damped", "adhesive"]
 FAMILIES: dict[Family, str] = {

@@ -6,8 +6,8 @@ import os
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from film_model.base.arrays import Array
 from film_model.base.foreign import Figure
 from film_model.plot.style import COLOURS, HIGHLIGHT, picture, plain, prefixed_unit
 from film_model.scene import STANDARD_GRAVITY
@@ -24,7 +24,7 @@ def plot_bounces(bounces: Bounces, path: str | os.PathLike[str] | None = None, d
     return picture(path, lambda figure: _draw(figure, bounces), SIZE, dpi)
 
 
-def heights(bounces: Bounces) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def heights(bounces: Bounces) -> tuple[Array, Array]:
     """Times [s] and heights above the place of contact [m], from the release of a ball with a drop height."""
     begins, durations = bounces.column("time"), bounces.column("contact_duration")
     speeds = np.maximum(-bounces.column("velocity_after"), 0.0)

@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from film_model.base.arrays import Array
 from film_model.core import native
 
 
@@ -46,7 +47,7 @@ def rises(curve: native.Curve, ratio: int) -> tuple[Rise, ...]:
     return tuple(made)
 
 
-def _speeds(curve: native.Curve, depths: NDArray[np.float64]) -> NDArray[np.float64]:
+def _speeds(curve: native.Curve, depths: Array) -> Array:
     """The velocities that lead to these depths."""
     before, stage, works = 0.0, 0, list[float]()
     ends = [curve.stage[k].end for k in range(curve.stages - 1)]

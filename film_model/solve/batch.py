@@ -78,7 +78,7 @@ class BatchResult:
     estimated_accuracy: Array
     estimated: float
     segments: tuple[int, int]
-    failed: NDArray[np.bool_]
+    failed: Mask
     oblique: dict[str, NDArray[Any]]
     _many: ManyResult = field(repr=False, compare=False)
 

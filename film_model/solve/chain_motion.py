@@ -10,9 +10,9 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from film_model.base import units
+from film_model.base.arrays import Array
 from film_model.base.errors import STATUSES, ImpactWarning, SimulationError, shown
 from film_model.base.foreign import Dataset, Figure
 from film_model.base.late import Late
@@ -25,8 +25,6 @@ from film_model.scene.chain import Chain
 from film_model.solve.chain_places import displacements
 from film_model.solve.chain_vibrations import Followed, Structure, first_frequency, refined
 from film_model.solve.sensed import quantities_of, split_rows
-
-Array = NDArray[np.float64]
 
 FINEST = 1e-14
 """Tolerance of a step, over approach velocity and indentation: elastic chains then keep energy to 1e-12."""

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from film_model.base import units
+from film_model.base.arrays import Array
 from film_model.base.errors import Outcome, SimulationError, did_you_mean, shown
 from film_model.base.foreign import Dataset, Figure
 from film_model.base.late import Late
@@ -273,7 +274,7 @@ class History:
         }
 
     @property
-    def vibration_energy_by_mode(self) -> NDArray[np.float64] | None:
+    def vibration_energy_by_mode(self) -> Array | None:
         """Energy of each natural vibration at the end, without membrane forces, J, in the order of
         `vibration.frequency`; None without modes."""
         return None if self.vibration is None else self.vibration.energies * self.problem.scales.energy

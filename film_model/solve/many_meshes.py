@@ -180,7 +180,7 @@ def _estimate(
     return (found > np.maximum(solver.accuracy - rounds, rounds)) & ~failed & ~costly
 
 
-def _floor(problem: Problem, core: Columns) -> NDArray[np.float64]:
+def _floor(problem: Problem, core: Columns) -> Array:
     """Error that remains on any mesh: rounding, and on targets that move the tables of whole ways."""
     # error of the core's tables of whole ways (tests/test_batch.py), which no mesh changes
     return rounding(problem, core) + 2e-14 * (problem.gamma > 0.0)

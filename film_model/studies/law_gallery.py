@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from film_model.base.arrays import Array
 from film_model.laws import LAWS
 from film_model.laws.example_ball import STEEL_BALL, example_law
 from film_model.laws.law import Family
@@ -20,7 +20,7 @@ class Loop:
     """curve: (2, n) indentation [m] and force [N] over the contact; turn: index of the maximum indentation."""
 
     family: Family
-    curve: NDArray[np.float64]
+    curve: Array
     turn: int
     restitution: float
 

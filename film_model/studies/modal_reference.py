@@ -16,12 +16,11 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from film_model.base.arrays import Array
 from film_model.base.errors import Outcome, SimulationError
 from film_model.core import native
 from film_model.problem.curve import curve_of
 from film_model.problem.problem import Problem
-
-Array = NDArray[np.float64]
 
 
 class System(NamedTuple):

@@ -16,11 +16,9 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from film_model.base.arrays import Array, Index
 from film_model.base.threads import one_thread
-
-Array = NDArray[np.float64]
 
 SHORTEST = 4
 """Rows of the shortest half-sine that the force may begin as, and fewest knots of a force."""
@@ -37,7 +35,7 @@ class Deconvolved:
     """rows: of the knots, in rows of the motions; the force is 0 at the first and the last. force, deviation: at the
     knots, and standard deviation. total, total_deviation: sum of the forces at the knots. step: rows between knots."""
 
-    rows: NDArray[np.intp]
+    rows: Index
     force: Array
     deviation: Array
     total: float
@@ -123,7 +121,7 @@ class _Search:
         return Deconvolved(rows, force, deviation, fit.total, fit.total_deviation, self.step)
 
 
-def _equations(responses: Sequence[Array], motions: Sequence[Array], knots: NDArray[np.intp], step: int) -> _Equations:
+def _equations(responses: Sequence[Array], motions: Sequence[Array], knots: Index, step: int) -> _Equations:
     """The normal equations of forces at knots, which are linear over `step` rows to both sides."""
     count, square, right = motions[0].size, np.zeros((knots.size, knots.size)), np.zeros(knots.size)
     hat = 1.0 - np.abs(np.arange(1 - step, step)) / step

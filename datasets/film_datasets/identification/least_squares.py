@@ -8,7 +8,6 @@ from dataclasses import replace
 from typing import Any, NamedTuple, cast
 
 import numpy as np
-from numpy.typing import NDArray
 
 from film_datasets.identification.model import Array, Case, numerics_of
 from film_datasets.identification.parameters import (
@@ -22,6 +21,7 @@ from film_datasets.identification.parameters import (
 from film_datasets.identification.profile import Profile
 from film_datasets.identification.result import FittedParameter, Identification
 from film_datasets.schema import MEASUREMENT, kind_of
+from film_model.base.arrays import Mask
 from film_model.base.errors import SceneError, SimulationError, shown
 from film_model.base.foreign import Dataset
 from film_model.scene import Scene, Solver
@@ -219,7 +219,7 @@ class _Sensitivity(NamedTuple):
 
     jacobian: Array
     errors: Array
-    lost: NDArray[np.bool_]
+    lost: Mask
     undetermined: Array
 
 

@@ -7,19 +7,17 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from film_datasets.csv_measurement import measured_over
 from film_datasets.impacts import results_of
 from film_datasets.schema import MEASURED_CONDITIONS, MEASURED_MOTION
+from film_model.base.arrays import Array
 from film_model.base.foreign import Dataset
 from film_model.effects.choose import problem_of
 from film_model.scene import Scene
 from film_model.solve.derivatives import RESULTS
 from film_model.solve.history import Samples
 from film_model.solve.simulate import simulate_quietly
-
-Array = NDArray[np.float64]
 
 
 class Numerics(NamedTuple):

@@ -7,14 +7,12 @@ from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from film_datasets.csv_measurement import STANDARD_GRAVITIES, csv_rows, numbers, size_text, split_heading
+from film_model.base.arrays import Array
 from film_model.base.errors import Mistake, SceneError, did_you_mean, raise_all, shown
 from film_model.base.units import to_si
 from film_model.solve.sensed import MOTION
-
-Array = NDArray[np.float64]
 
 FEWEST_TIMES, MOST_TIMES = 20, 20_000
 

@@ -11,13 +11,13 @@ from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from typing import Any
 
-import numpy as np
 from numpy.typing import NDArray
 
 from film_datasets.schema.derivative_variables import derivatives_in
 from film_datasets.schema.rows import OUT_OF_RANGE, PARTS
 from film_datasets.schema.sensor_variables import FORCE_INTERVAL, peaks_in
 from film_datasets.schema.variable import Variable, swept_name, swept_variables
+from film_model.base.arrays import Mask
 from film_model.base.foreign import Dataset
 from film_model.oblique.result import BOUNDS, OBLIQUE
 
@@ -189,7 +189,7 @@ def _added_later(kind: str, ds: Dataset) -> set[str]:
     return {name for version in later for name in ADDED[kind][version]}
 
 
-def has_failed(status: NDArray[Any]) -> NDArray[np.bool_]:
+def has_failed(status: NDArray[Any]) -> Mask:
     """Which values of `status` mean that the impact has no result."""
     return (status < 0) | (status >= OUT_OF_RANGE)
 

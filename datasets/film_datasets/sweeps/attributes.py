@@ -26,6 +26,7 @@ from film_datasets.sweeps.block_columns import ENERGY_GAINS, ESTIMATED, FASTER, 
 from film_datasets.sweeps.definition import Sweep
 from film_datasets.sweeps.designs import SAMPLED
 from film_datasets.sweeps.effect_warnings import effect_warnings, sweep_law_warnings
+from film_model.base.arrays import Array
 from film_model.base.errors import Status
 from film_model.core.modal import MOST_MEMORY
 from film_model.core.native import MAX_STAGES
@@ -49,7 +50,7 @@ class Totals:
     from each side, failed impacts omitted. unkept: impacts that did not fail and whose motion is not kept. faster:
     impacts that leave faster than they come because of their weight."""
 
-    estimated: NDArray[np.float64]
+    estimated: Array
     missed: NDArray[np.int64]
     energy_gains: NDArray[np.int64]
     failed: Counter[int] = field(default_factory=Counter)

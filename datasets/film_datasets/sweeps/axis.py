@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from film_datasets.schema import Variable, flag_words, swept_name, swept_variable, swept_words
 from film_datasets.sweeps.designs import Array
 from film_datasets.sweeps.distributions import DISTRIBUTIONS, EMPIRICAL, quantiles
+from film_model.base.arrays import Index, Mask
 from film_model.base.fields import Field
 from film_model.base.units import si_unit
 
@@ -81,7 +82,7 @@ class Axis:
             return np.array(self.numbers)
         return np.asarray(self.quantile(np.array([0.2, 0.5, 0.9])), np.float64)
 
-    def at(self, index: NDArray[np.intp]) -> Array | NDArray[np.int32]:
+    def at(self, index: Index) -> Array | NDArray[np.int32]:
         """Values at places along the axis: SI, or numbers of choices."""
         if self.kind == "choices":
             return np.asarray(self.indices, np.int32)[index]
@@ -113,7 +114,7 @@ class Axis:
             return np.where(fraction == 1.0, high, low * (high / low) ** fraction)
         return np.where(fraction == 1.0, high, low + (high - low) * fraction)
 
-    def outside(self, values: Array) -> NDArray[np.bool_]:
+    def outside(self, values: Array) -> Mask:
         """Which values are out of the range that a scene allows."""
         field = self.field
         assert field is not None and field.low is not None and field.high is not None

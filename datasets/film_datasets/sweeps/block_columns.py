@@ -84,7 +84,7 @@ def _empty_columns(sweep: Sweep, count: int) -> Columns:
 
 
 def _put(
-    sweep: Sweep, columns: Columns, forms: list[tuple[Index, ClosedForms]], impacts: Impacts, index: NDArray[np.intp]
+    sweep: Sweep, columns: Columns, forms: list[tuple[Index, ClosedForms]], impacts: Impacts, index: Index
 ) -> None:
     """Put simulated impacts into the columns at the places `index`; add their motions, and their places to `forms`."""
     at = index_or_all(index, columns["status"].size)
@@ -124,7 +124,7 @@ def _put(
 
 
 def _differentiate(
-    sweep: Sweep, columns: Columns, impacts: Impacts, numbers: Mapping[str, NDArray[Any]], index: NDArray[np.intp]
+    sweep: Sweep, columns: Columns, impacts: Impacts, numbers: Mapping[str, NDArray[Any]], index: Index
 ) -> None:
     """Put the derivatives of simulated impacts into the columns; none by a number that their scene does not have."""
     known, found = impacts.derivatives(numbers, sweep.derivatives)

@@ -22,7 +22,7 @@ from film_datasets.sweeps.axis_reading import read_axes, swept_mistakes
 from film_datasets.sweeps.design_table import is_table, over_of_table
 from film_datasets.sweeps.designs import DESIGNS, GRID, SAMPLED, ZIP, option_mistakes, points
 from film_datasets.sweeps.distributions import correlated, correlation_factor
-from film_model.base.arrays import Index
+from film_model.base.arrays import Array, Index, Mask
 from film_model.base.errors import Mistake, SceneError, did_you_mean, raise_all, shown
 from film_model.base.foreign import Dataset
 from film_model.effects.edge_effects import edged
@@ -235,7 +235,7 @@ class Sweep:
         return [axis.at(place) for axis, place in zip(self.axes, places, strict=True)]
 
     @cached_property
-    def _factor(self) -> NDArray[np.float64]:
+    def _factor(self) -> Array:
         return correlation_factor(self.correlation, [axis.path for axis in self.axes])
 
     # ---------------------------------------------------------------- combinations of choices: a scene for each
@@ -285,7 +285,7 @@ class Sweep:
         return (self.combination(number) for number in self.combinations_used)
 
     def parts(
-        self, values: Sequence[NDArray[Any]], wanted: NDArray[np.bool_]
+        self, values: Sequence[NDArray[Any]], wanted: Mask
     ) -> Iterator[tuple[Scene, Index, dict[str, NDArray[Any]]]]:
         """The impacts that are wanted of those with these values along the axes, by combination of choices: its scene,
         the places of its impacts, and their numbers by path, at least one."""

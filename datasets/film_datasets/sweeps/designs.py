@@ -8,9 +8,8 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
+from film_model.base.arrays import Array
 from film_model.base.errors import Mistake, did_you_mean, shown
-
-Array = NDArray[np.float64]
 
 GRID, ZIP = "grid", "zip"
 SAMPLED = ("random", "sobol", "latin-hypercube")

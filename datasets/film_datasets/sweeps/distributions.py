@@ -8,13 +8,11 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from film_model.base.arrays import Array
 from film_model.base.errors import shown
 from film_model.base.fields import Field
 from film_model.base.units import to_si
-
-Array = NDArray[np.float64]
 
 SMALLEST_PROBABILITY = 2.0**-53
 """Smaller probabilities are raised to it, so that every drawn value is finite: it is 8.1 standard deviations."""

@@ -27,10 +27,8 @@ from film_model.solve.history import MOTION, Event
 from film_model.solve.relaxed import tolerance_for
 from fmu_wrapper import related
 from fmu_wrapper.assumptions import served
-from fmu_wrapper.checking_contact import compared_contact
-from fmu_wrapper.checking_slopes import compared_slopes
+from fmu_wrapper.comparisons import STEPS_TOLERANCE, Finding, compared_contact, compared_slopes
 from fmu_wrapper.cosimulation import EXCHANGE_SOLVER, run
-from fmu_wrapper.findings import STEPS_TOLERANCE, Finding
 from fmu_wrapper.free_body import as_structure
 from fmu_wrapper.instance import Fmu, opened
 from fmu_wrapper.resource import Data, component_of, has_exchange, segments_of, vibrations_of

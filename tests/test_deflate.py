@@ -5,7 +5,7 @@ import zlib
 import numpy as np
 import pytest
 
-from film_datasets.sweeps.deflate import deflated
+from film_datasets.sweeps.block_writers import deflated
 
 RNG = np.random.default_rng(3)
 COLUMNS = {

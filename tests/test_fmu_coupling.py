@@ -13,7 +13,7 @@ from scipy.linalg import expm
 import film_model as fm
 import fmu_wrapper
 from film_model.laws.hertz import hertz_stiffness
-from fmu_wrapper import checking_contact
+from fmu_wrapper import comparisons
 from fmu_wrapper.documentation import COUPLING_ERRORS, COUPLINGS
 from fmu_wrapper.instance import opened, started
 from fmu_wrapper.variables import reference
@@ -308,7 +308,7 @@ def test_a_contact_of_beads_ends_where_its_law_lets_go(made, law, version):
 
 def test_the_check_finds_events_that_come_late_in_model_exchange(made, monkeypatch):
     """Handled at the next communication point, the turn is taken for a smaller maximum indentation."""
-    monkeypatch.setattr(checking_contact, "_first", lambda due, before, after: after)
+    monkeypatch.setattr(comparisons, "_first", lambda due, before, after: after)
     report = fmu_wrapper.check(made(scene("big-alabo"), kind="contact"))
     assert {f.what for f in report.findings if not f.good} >= {"contact: Model Exchange, force in unloading"}
     assert all(f.good for f in report.findings if "Model Exchange" not in f.what)

@@ -13,7 +13,7 @@ from fmu_resources import on_spring, on_structure, viscoelastic
 
 import film_model as fm
 import fmu_wrapper
-from fmu_wrapper.checking_slopes import compared_slopes
+from fmu_wrapper.comparisons import compared_slopes
 from fmu_wrapper.instance import opened, started
 from fmu_wrapper.resource import start_values
 from fmu_wrapper.variables import NORMAL_STATES as STATES

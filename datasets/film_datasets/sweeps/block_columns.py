@@ -11,9 +11,8 @@ from numpy.typing import NDArray
 from film_datasets.friction_dataset import REGIME
 from film_datasets.impacts import ClosedForms, Impacts, simulate_impacts
 from film_datasets.schema import OUT_OF_RANGE, accuracy_name, derivative_name, peak_name, side_name
-from film_datasets.sweeps.block import Block
 from film_datasets.sweeps.definition import Sweep
-from film_datasets.sweeps.designs import GRID
+from film_datasets.sweeps.designs import GRID, Block
 from film_datasets.sweeps.ragged import Columns, ragged_columns, ragged_dims
 from film_model.base.arrays import Index, index_or_all
 from film_model.base.errors import NO_VELOCITY

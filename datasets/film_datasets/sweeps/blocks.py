@@ -7,8 +7,8 @@ import math
 import numpy as np
 
 from film_datasets.impacts import one_curve_per_impact
-from film_datasets.sweeps.block import Block
 from film_datasets.sweeps.definition import Sweep
+from film_datasets.sweeps.designs import Block
 from film_datasets.sweeps.sizes import size_of
 
 BLOCK_BYTES, BLOCK_IMPACTS = 6_000_000, 65_536

@@ -7,13 +7,13 @@ from collections.abc import Iterator, Sequence
 from concurrent.futures import Future
 from dataclasses import dataclass
 
-from film_datasets.sweeps.block import Block
 from film_datasets.sweeps.block_columns import compute_block
 from film_datasets.sweeps.blocks import Blocks
 from film_datasets.sweeps.checkpoint import Checkpoint
 from film_datasets.sweeps.definition import Sweep
+from film_datasets.sweeps.designs import Block
 from film_datasets.sweeps.executor import Workers
-from film_datasets.sweeps.progress_bar import Progress
+from film_datasets.sweeps.progress import Progress
 from film_datasets.sweeps.ragged import Columns
 
 

@@ -1,8 +1,9 @@
-"""Designs: how the impacts of a sweep are placed, and the random or quasi-random points of the sampled ones."""
+"""Designs: how the impacts of a sweep are placed, the points of the sampled ones, and the parts that are computed."""
 
 from __future__ import annotations
 
 import threading
+from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
@@ -108,3 +109,17 @@ def option_mistakes(design: object, samples: object, seed: object) -> list[Mista
         if seed is not None and (isinstance(seed, bool) or not isinstance(seed, int) or not 0 <= seed < 2**64):
             found["seed"] = f"{shown(seed)} is not allowed: a whole number from 0 to 2^64 - 1 is needed"
     return [Mistake(None, None, key, message) for key, message in found.items()]
+
+
+@dataclass(frozen=True)
+class Block:
+    """A part of a sweep: its region of the arrays, and its impacts `first` … `first + count - 1` in C order."""
+
+    region: tuple[slice, ...]
+    first: int
+    count: int
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Of the region."""
+        return tuple(part.stop - part.start for part in self.region)

@@ -7,11 +7,11 @@ from pathlib import Path
 
 from film_datasets.files import ZARR
 from film_datasets.impacts import one_curve_per_impact
-from film_datasets.sweeps.block import Block
 from film_datasets.sweeps.block_columns import TOTALS, compute_block
 from film_datasets.sweeps.block_writers import FILE_BLOCKS
 from film_datasets.sweeps.blocks import Blocks
 from film_datasets.sweeps.definition import Sweep
+from film_datasets.sweeps.designs import Block
 from film_datasets.sweeps.sizes import packed
 
 SAMPLE = 256

@@ -26,8 +26,7 @@ from film_datasets.sweeps.computed_blocks import Run, computed_blocks
 from film_datasets.sweeps.definition import Sweep
 from film_datasets.sweeps.disk_space import bytes_text, check_free_space, sizes_text
 from film_datasets.sweeps.executor import Workers, workers_of
-from film_datasets.sweeps.interruptions import explained
-from film_datasets.sweeps.progress_bar import Progress
+from film_datasets.sweeps.progress import Progress, explained
 from film_datasets.sweeps.storage import Storage, written_content
 from film_datasets.tables import TABLES
 from film_model.base.foreign import Dataset

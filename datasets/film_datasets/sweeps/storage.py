@@ -13,11 +13,11 @@ from numpy.typing import NDArray
 
 from film_datasets.schema import RAGGED, WIDE, ContentHash, Variable
 from film_datasets.sweeps.attributes import variable_attributes
-from film_datasets.sweeps.block import Block
 from film_datasets.sweeps.block_columns import Columns
 from film_datasets.sweeps.block_writers import COORDINATE_CHUNK, FILE_BLOCKS, Writer, ZarrWriter
 from film_datasets.sweeps.blocks import Blocks
 from film_datasets.sweeps.definition import Sweep
+from film_datasets.sweeps.designs import Block
 from film_datasets.sweeps.executor import Workers, available_cores
 from film_datasets.sweeps.ragged import Places, ragged_dims
 

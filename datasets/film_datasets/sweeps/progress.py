@@ -1,11 +1,16 @@
-"""The progress of a sweep on standard error."""
+"""The progress of a sweep on standard error, and messages for one that is interrupted or cannot be written."""
 
 from __future__ import annotations
 
+import contextlib
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Generator
+from pathlib import Path
 from typing import Any
+
+from film_datasets.files import reason_of
+from film_model.base.errors import SimulationError
 
 Progress = Callable[[int, int], None]
 """Called with the number of finished impacts and of all impacts."""
@@ -35,3 +40,20 @@ class ProgressBar:
             print(f"\r[{'#' * filled}{'.' * (20 - filled)}] {text}\x1b[K", end=end, file=self._stream, flush=True)
         else:
             print(text, file=self._stream, flush=True)
+
+
+class Interrupted(KeyboardInterrupt):
+    """A sweep was interrupted; the message says where its finished blocks are kept."""
+
+
+@contextlib.contextmanager
+def explained(target: Path, kept: Callable[[], str]) -> Generator[None]:
+    """Raise Interrupted or an OSError that names `target` and what is kept for the next run."""
+    try:
+        yield
+    except KeyboardInterrupt:
+        raise Interrupted(f"interrupted: {kept()}") from None
+    except (SimulationError, FileExistsError):
+        raise
+    except (OSError, RuntimeError) as error:  # the netCDF library raises RuntimeError for a full disk
+        raise OSError(f"{target}: cannot be written: {reason_of(error, target)}; {kept()}") from error

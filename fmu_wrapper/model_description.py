@@ -128,7 +128,7 @@ def model_description(
         },
     )
     if version == 2 and has_exchange(data):
-        root.set("numberOfEventIndicators", str(_indicators()))
+        root.set("numberOfEventIndicators", str(sum(map(_is_indicator, VARIABLES))))
     _interfaces(root, data, version, names.identifier, list(sources))
     _units(root, chosen)
     _types(root, chosen, version)
@@ -160,10 +160,6 @@ def _as_local(v: Variable) -> Variable:
 
 def _is_indicator(v: Variable) -> bool:
     return v.name.startswith("event_indicator")
-
-
-def _indicators() -> int:
-    return sum(map(_is_indicator, VARIABLES))
 
 
 def _true(*names: str) -> dict[str, str]:

@@ -1,4 +1,4 @@
-"""The motion of a chain of bodies as a dataset, and the chain in it."""
+"""The motion of a chain of bodies as a dataset."""
 
 from __future__ import annotations
 
@@ -10,7 +10,6 @@ from film_datasets.provenance import PROGRAM, as_lines, dataset_of, text_and_has
 from film_datasets.schema import CHAIN, HISTORY
 from film_model.base.arrays import Array
 from film_model.base.foreign import Dataset
-from film_model.scene.chain import Chain
 from film_model.solve.chain_motion import ChainMotion
 from film_model.solve.sensed import IN_CONTACT
 
@@ -61,8 +60,3 @@ def _sampled(motion: ChainMotion, t: Array) -> dict[str, Any]:
         **{name: values[:, np.searchsorted(every, t)] for name, values in found.items()},
         **{f"sensor_maximum_{name}": np.abs(found[f"sensor_{name}"]).max(axis=1) for name in known},
     }
-
-
-def chain_in(ds: Dataset) -> Chain:
-    """The chain that a dataset of kind impact_chain is of."""
-    return Chain.from_text(str(ds.attrs["scene_toml"]), "scene_toml", None)

@@ -10,7 +10,6 @@ import numpy as np
 
 from film_datasets.axis_style import finite, format_axis, label, set_title
 from film_datasets.bounce_dataset import bounces_of
-from film_datasets.chain_dataset import chain_in
 from film_datasets.cost_dataset import study_of
 from film_datasets.csv_measurement import measured_over
 from film_datasets.distribution_plots import DEFAULT_QUANTITY, TORNADO, draw_distribution
@@ -25,6 +24,7 @@ from film_model.plot.chain import plot_chain
 from film_model.plot.cost import plot_study
 from film_model.plot.history import plot_history
 from film_model.plot.style import COLOURS, picture, prefixed_unit
+from film_model.scene.chain import Chain
 from film_model.solve.chain_motion import simulate_chain_quietly
 
 SIZE = (7.2, 4.6)  # inches
@@ -76,7 +76,8 @@ def plot(
     if schema == BOUNCES:
         return plot_bounces(bounces_of(ds), path, dpi)
     if schema == CHAIN:
-        return plot_chain(simulate_chain_quietly(chain_in(ds)), path, dpi)
+        chain = Chain.from_text(str(ds.attrs["scene_toml"]), "scene_toml", None)
+        return plot_chain(simulate_chain_quietly(chain), path, dpi)
     if schema == COST:
         return plot_study(study_of(ds), path, dpi)
     if schema == MEASUREMENT:

@@ -60,11 +60,6 @@ def flights_of(flights: Array) -> Table:
     return states
 
 
-def rows_of_flights(states: Table, modes: int) -> Array:
-    """The reverse of :func:`flights_of`."""
-    return np.hstack([states[name].reshape(-1, modes) for name in FLIGHT_DTYPE.names or ()])
-
-
 def modes_of(tables: modal.Tables) -> Table:
     """The modes of a structure."""
     modes: Table = np.empty(tables.count, MODE_DTYPE)

@@ -38,11 +38,6 @@ class ClosedForm:
     compliance: float
 
     @classmethod
-    def of_lines(cls, lines: Table, compliance: float) -> ClosedForm:
-        """That of a march."""
-        return cls({"segment": lines}, compliance)
-
-    @classmethod
     def of_modes(cls, tables: modal.Tables, segments: Table, flights: Array) -> ClosedForm:
         """That of an impact on modes, from its record."""
         found = {
@@ -67,7 +62,7 @@ class ClosedForm:
         curve = curve_of(problem.law).native
         _check(steps, states, modes.size, curve)
         columns = (np.ascontiguousarray(modes[name]) for name in modes.dtype.names or ())
-        flights = modal_steps.rows_of_flights(states, modes.size)
+        flights = np.hstack([states[name].reshape(-1, modes.size) for name in states.dtype.names or ()])
         return ModalMotion(
             curve=curve,
             tables=modal.Tables(*columns, longest=unit),

@@ -18,7 +18,7 @@ from film_model.effects.choose import Choice, choose
 from film_model.oblique.stepped import Pushes, SavedSliding, SlidingOutputs, SteppedFriction
 from film_model.scene import DEFAULT_ACCURACY, Scene, Solver
 from film_model.solve.accuracy import Linearisation, mesh_for, mesh_of, raise_failure, solver_for
-from film_model.solve.history import Event, stage_name
+from film_model.solve.history import Event, stages_at
 from film_model.solve.motions import OnLines, OnMemory, OnModes, modes_for
 from film_model.solve.relaxed import tolerance_for
 from film_model.solve.sensed import Sensed
@@ -321,7 +321,7 @@ class ImpactComponent:
 
     def _event(self) -> Event:
         o, contact = self.outputs, self._motion.contact
-        stage = stage_name(self.problem, contact.branch)
+        (stage,) = stages_at(self.problem, (contact.branch,))
         motion = (o.indentation, o.relative_velocity, o.contact_force, o.impactor_displacement, o.impactor_velocity)
         return Event(native.EVENTS[contact.event], o.time, stage, *motion, o.target_displacement, o.target_velocity)
 

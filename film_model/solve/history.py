@@ -287,7 +287,7 @@ class History:
         on = self.vibration
         if on is not None:
             return ClosedForm.of_modes(on.tables, on.segments, on.flights)
-        return ClosedForm.of_lines(self.lines, self.problem.curve.native.compliance)
+        return ClosedForm({"segment": self.lines}, self.problem.curve.native.compliance)
 
     @property
     def duration(self) -> float:
@@ -380,8 +380,3 @@ def stages_at(problem: Problem, branches: Iterable[int]) -> list[str]:
     """Names of branches of the core; a stretched stage is unloading."""
     names = stage_names(problem)
     return [names[branch if branch >= native.FREE else native.BRANCH] for branch in branches]
-
-
-def stage_name(problem: Problem, branch: int) -> str:
-    """Name of one branch."""
-    return stages_at(problem, (branch,))[0]

@@ -2,23 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 from film_model.studies.impact_ode import Impact, Passage, Run, follow, sizes
 
 
-def small_increments(steps: int, impact: Impact) -> tuple[float, ...]:
-    """The small-increment method: constant acceleration over each increment; about `steps` increments per contact."""
-    return _marched(steps, impact, newmark=False)
-
-
-def newmark(steps: int, impact: Impact) -> tuple[float, ...]:
-    """Newmark's method with β = 1/4 and γ = 1/2 (mean acceleration), solved by Newton's iteration in each step."""
-    return _marched(steps, impact, newmark=True)
-
-
-def _marched(steps: int, impact: Impact, newmark: bool) -> tuple[float, ...]:
-    """Steps of equal size; events within a step are located on the cubic through its ends."""
+def _marched(one_step: Callable[..., tuple[float, float]], steps: int, impact: Impact) -> tuple[float, ...]:
+    """About `steps` steps of equal size per contact; events within a step are located on the cubic through its ends."""
     depth, nu = sizes(impact)
     h = 3.0 * float(depth / nu) / steps
 
@@ -29,7 +21,7 @@ def _marched(steps: int, impact: Impact, newmark: bool) -> tuple[float, ...]:
         y0, f = impact.motion(run, xi, v)
         peak = 0.0
         for _ in range(most_steps):
-            xi1, v1 = (_newmark_step if newmark else _increment)(impact, run, h, xi, v, y0, f)
+            xi1, v1 = one_step(impact, run, h, xi, v, y0, f)
             y1, f1 = impact.motion(run, xi1, v1)
             a0, a1 = impact.load - f, impact.load - f1
             passed = _crossing(v, v1, a0, a1, 0.0, h) if watch_stop and stop is None and v > 0.0 >= v1 else None
@@ -82,6 +74,13 @@ def _newmark_step(impact: Impact, run: Run, h: float, xi: float, v: float, y: fl
         if abs(change) <= 1e-12 * (abs(xi1) + abs(h * v)):
             break
     return xi1, v1
+
+
+small_increments = partial(_marched, _increment)
+"""The small-increment method: constant acceleration over each increment."""
+
+newmark = partial(_marched, _newmark_step)
+"""Newmark's method with β = 1/4 and γ = 1/2 (mean acceleration), solved by Newton's iteration in each step."""
 
 
 def _cubic(a: float, b: float, slope_a: float, slope_b: float, s: float, h: float) -> float:

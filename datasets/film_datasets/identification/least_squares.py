@@ -18,7 +18,7 @@ from film_datasets.identification.parameters import (
     unit_at,
     without_data_sheet,
 )
-from film_datasets.identification.profile import Profile
+from film_datasets.identification.profile import MARGIN, Profile
 from film_datasets.identification.result import FittedParameter, Identification
 from film_datasets.schema import MEASUREMENT, kind_of
 from film_model.base.arrays import Mask
@@ -30,9 +30,6 @@ TRIED, SEARCHED = 16, 2
 """Points around the scene's values that are tried, and of which a search starts: a power of two, for Sobol's points."""
 
 INTERVALS = ("curvature", "profile")
-
-MARGIN = 1e-9
-"""Distance of a start from the bounds, in the scaled parameters."""
 
 FAILED_RESIDUAL = 2.0
 """Residual, over the largest measured value, of a point for which the model has no value."""

@@ -11,7 +11,7 @@ import numpy as np
 from film_datasets.identification.model import NUMERICS, Array
 
 MARGIN = 1e-9
-"""Distance from the bounds, where rounding might make a value invalid."""
+"""Distance from the bounds, in the scaled parameters: at them rounding might make a value invalid."""
 
 
 class Profile:

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from film_datasets.files import DEFLATE_FROM, NEEDS_ZARR, ZARR, temporary_path
+from film_datasets.files import DEFLATE_FROM, NEEDS_ZARR
 from film_datasets.schema import RAGGED, TEXT, Variable
 from film_datasets.seal import netcdf_attributes, seal_store
 
@@ -26,11 +26,6 @@ FILE_BLOCKS = 8
 
 COORDINATE_CHUNK = 1 << 18
 """Values of a chunk of a coordinate: 2 MB."""
-
-
-def writer_for(target: Path) -> NetCDFWriter | ZarrWriter:
-    """The writer for a file name. Raises ImportError for a Zarr folder if zarr is not installed."""
-    return ZarrWriter(temporary_path(target)) if target.suffix == ZARR else NetCDFWriter(temporary_path(target))
 
 
 class MemoryWriter:

@@ -8,7 +8,7 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from film_datasets.files import SUFFIX, ZARR, check_file, check_place, open_dataset, put_in_place, write
+from film_datasets.files import SUFFIX, ZARR, check_file, check_place, open_dataset, put_in_place, temporary_path, write
 from film_datasets.schema import SWEEP, VERSIONS, ContentHash
 from film_datasets.sweeps.attributes import Totals, global_attributes
 from film_datasets.sweeps.block_writers import (
@@ -17,8 +17,6 @@ from film_datasets.sweeps.block_writers import (
     NetCDFWriter,
     Writer,
     ZarrWriter,
-    temporary_path,
-    writer_for,
 )
 from film_datasets.sweeps.blocks import Blocks
 from film_datasets.sweeps.checkpoint import Checkpoint, Written
@@ -196,7 +194,7 @@ def _writer(run: Run, target: Path, checkpoint: Checkpoint) -> tuple[NetCDFWrite
             if content.hexdigest() == begun.content:
                 return writer, content
         checkpoint.set_written(None)
-    return writer_for(target), None
+    return (ZarrWriter if target.suffix == ZARR else NetCDFWriter)(temporary_path(target)), None
 
 
 def _write_blocks(

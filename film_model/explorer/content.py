@@ -19,7 +19,7 @@ from film_model.core import friction, modal, native, springs
 from film_model.core.solving import MOST_SEGMENTS
 from film_model.effects.case import YIELDS
 from film_model.effects.choose import Choice, choose
-from film_model.effects.effect import COMPUTED, NOT_MODELLED, percent
+from film_model.effects.effect import percent
 from film_model.effects.many import SURE
 from film_model.effects.rate_hardening import MOST_ROUNDS, SETTLED
 from film_model.effects.wave_losses import MOST_WEIGHT
@@ -119,7 +119,6 @@ class Content:
             "units": {symbol: [float(size), list(powers)] for symbol, (size, powers) in SYMBOLS.items()},
             "dimensions": {name: _dimension(name) for name in DIMENSIONS},
             **{"summary": SUMMARY, "motion": MOTION, "oblique": OBLIQUE},
-            "computed": COMPUTED,
             "statuses": {str(code): status.sentence for code, status in STATUSES.items()},
             "colours": COLOURS,
             "series": {"points": chebyshev.chebpts1(TERMS).tolist()}
@@ -179,7 +178,7 @@ class Content:
             "tolerance": effects.tolerance,
             "solver": {key: getattr(scene.solver, key) for key in ("accuracy", "segments", "linearisation")},
             "given": given(choice, reason) if reason else None,
-            "judged": [effect.to_dict() for effect in choice.effects],
+            "judged": [{key: getattr(e, key) for key in ("name", "state", "change", "reason")} for e in choice.effects],
             "warnings": list(choice.warnings),
             "replaced": in_place_of(inputs),
             "moduli": {
@@ -308,7 +307,6 @@ def layout() -> dict[str, Any]:
         "curve": ctypes.sizeof(native.Curve),
         "most_segments": MOST_SEGMENTS,
         "events": native.EVENTS,
-        "phases": native.PHASES,
         "levels": modal.LEVELS,
     }
 
@@ -322,7 +320,7 @@ def _constants() -> dict[str, Any]:
         **{"elastic": ELASTIC, "yielding": YIELDING, "damped": DAMPED, "steep": STEEP, "polymer": KINDS.index(POLYMER)},
         "brittle": KINDS.index(BRITTLE),
         **{"least_restitution": LEAST_RESTITUTION, "least_gain": LEAST_GAIN},
-        **{"most_weight": MOST_WEIGHT, "not_modelled": NOT_MODELLED, "compared": COMPARED},
+        **{"most_weight": MOST_WEIGHT, "compared": COMPARED},
         "vibration": support.constants(),
         "ritz": support.ritz_constants(),
         "friction": _friction(),

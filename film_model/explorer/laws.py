@@ -123,9 +123,6 @@ class PageLaw:
         curve, kind = self.curve, LAWS[self.name]
         return {
             "name": self.name,
-            "summary": kind.summary,
-            "source": kind.source,
-            "validity": kind.validity,
             "family": kind.family,
             "function": function,
             "curve": place,

@@ -233,7 +233,7 @@ function vibrate(scene, problem) {
   const limit = rule.longest * (still.contact_duration * p.time + slow + period);
   const fast = rule.first_phase / (still.time_of_maximum_indentation * p.time);
   const first = rounded(Math.max(fast, 4 * support.lowest), support.rate, support.steps ?? 1);
-  const rattles = !law.series && structureOf(scene, first, rounded(p.time), law.series).omitted > 0;
+  const rattles = !law.series && structureOf(scene, Math.min(first, support.highest), rounded(p.time), law.series).omitted > 0;
   let [highest, most] = [first, Math.min(support.highest, rattles ? rule.highest * first : Infinity)];
   const cut = 2 * first > support.highest;
   const refuse = () => {

@@ -323,8 +323,8 @@ function summaryOf(scene, p, core, n) {
 function intervalsOf(scene, { n, choice: { problem }, summary }) {
   const decided = scene.law === "auto" && scene.effects.rate_hardening !== false;
   if (!decided || scene.base.free || !problem || problem.vibrates || (problem.p.gamma > 0 && n.impedance < Infinity)) return [];
-  const { elastic, yielding, polymer, brittle } = DATA.constants;
-  if (n.family !== polymer && problem.law.name !== (n.family === 0 ? elastic : yielding)) return [];
+  const { elastic, steep, yielding, polymer, brittle } = DATA.constants;
+  if (n.family !== polymer && !(n.family === 0 ? [elastic, steep[elastic]] : [yielding]).includes(problem.law.name)) return [];
   const { maximum_force: force, contact_radius: radius } = summary;
   const { materials: given } = sceneOf(scene.base); // another material has no entries of brittle ones
   const fails = ["impactor", "target"].some((body) => {

@@ -6,14 +6,14 @@ import math
 from dataclasses import replace
 from typing import Any, cast
 
-from film_model.base.arrays import any_of, column
+from film_model.base.arrays import any_of
 from film_model.effects.case import Case, Rule
 from film_model.effects.effect import FREE, NOT_MODELLED, SIMULATED, Effect, off_state
-from film_model.effects.trial import matters
 from film_model.laws.hertz import hertz_stiffness
 from film_model.laws.large_slope import BALL
 from film_model.problem.law_of_scene import STEEP, YIELDING, law_named
 from film_model.problem.problem import Problem
+from film_model.scene import Scene
 
 COMPUTED = 0.5
 """√(δ/R) up to which finite elements were computed."""
@@ -34,25 +34,20 @@ def steep(problem: Problem) -> tuple[Problem, Any]:
     off = wanted is False or base.contact.law != "auto" or problem.law.name not in STEEP
     if off or coefficient is None or problem.relaxation is not None:
         return problem, False
-    # the change of the force, to first order
-    first = 0.5 * coefficient * (_deepest(problem) / scene.effective_radius) ** 0.5
-    doubtful = first > 0.9 * base.effect_tolerance
-    if wanted == "auto" and not any_of(doubtful):
+    matters = True if wanted is True else change_of(scene, problem.given[1]) > base.effect_tolerance
+    if not any_of(matters):
         return problem, False
     impacts = problem.impacts.under(law_named(scene, STEEP[problem.law.name]))
     made = replace(impacts.problem(*problem.given, vibrates=problem.vibrates), stretches=problem.stretches)
-    if wanted is True or not any_of(problem.approach > 0.0):
-        return made, impacts.column(True)
-    if not problem.impacts.many:
-        return made, matters(made, problem)
-    return made, matters(made, problem, where=column(doubtful, problem.approach.size))
+    return made, impacts.column(matters)
 
 
-def _deepest(problem: Problem) -> Any:
-    """A bound of Hertz's indentation, m: the sum of those by the energy alone and by the load alone."""
-    scene, (_, load, _) = problem.impacts.scene, problem.given
+def change_of(scene: Scene, load: Any) -> Any:
+    """The change of the largest force by the slopes, to first order and at most: the target does not move, and its
+    indentation is the sum of those by the energy alone and by the load [N] alone."""
     stiffness = hertz_stiffness(cast("float", scene.effective_modulus), scene.effective_radius)
-    return (2.5 * scene.kinetic_energy / stiffness) ** 0.4 + (2.5 * load / stiffness) ** (2.0 / 3.0)
+    deepest = (2.5 * scene.kinetic_energy / stiffness) ** 0.4 + (2.5 * load / stiffness) ** (2.0 / 3.0)
+    return 0.5 * scene.slope_coefficient * (deepest / scene.effective_radius) ** 0.5
 
 
 def judge(case: Case, rule: Rule) -> Effect:
@@ -93,10 +88,10 @@ def judge(case: Case, rule: Rule) -> Effect:
 def settled(effect: Effect, problem: Problem) -> Effect:
     """The estimated effect with what was decided about it. problem: what is simulated."""
     scene, law = problem.scene, problem.law.name
+    if law in STEEP.values() and scene.contact.law == "auto":
+        return effect._replace(state=SIMULATED, threshold=None, reason=f"{effect.reason}: law {law}", cost=FREE)
     if effect.change is None:
         return effect
-    if law in STEEP.values():
-        return effect._replace(state=SIMULATED, threshold=None, reason=f"{effect.reason}: law {law}", cost=FREE)
     if scene.effects.small_slope is False:
         state = off_state(effect.change, scene.effect_tolerance)
         return effect._replace(state=state, reason=f"the scene has small_slope = false; {effect.reason}")

@@ -19,7 +19,7 @@ from film_model.base.flow_stress import contradicts, flow_of_hardness, yield_of_
 from film_model.base.materials import Material, sphere_mass
 from film_model.base.rate_law import RateHardening
 from film_model.core import native
-from film_model.effects import gravity, wave_losses
+from film_model.effects import gravity, large_slope, wave_losses
 from film_model.effects.case import Pulse, absorbed
 from film_model.effects.edge_effects import vibration
 from film_model.effects.rate_hardening import factor_at
@@ -104,6 +104,8 @@ def numbers_function(template: Scene, paths: Sequence[str]) -> str:
     outputs["zener"] = zener(scene, numbers.impedance)
     outputs["waves"], outputs["waves_yielding"] = (wave_losses.impedance_of(scene, yields) for yields in (False, True))
     outputs["largest_force"] = wave_losses.largest_force(scene)
+    for name, load in (("steep", 0.0), ("steep_heavy", numbers.weight)):
+        outputs[name] = math.nan if scene.slope_coefficient is None else large_slope.change_of(scene, load)
     outputs |= {"family": family_number(scene), "yield_velocities": yield_velocities(scene)}
     for body in ("impactor", "target"):
         outputs[f"pressing_{body}"], outputs[f"cracking_{body}"] = factors(getattr(scene, body).material)
@@ -394,7 +396,7 @@ def _slides(template: Scene, paths: Sequence[str]) -> tuple[Recording, Scene, Sl
 
 
 def radius_function(template: Scene) -> str:
-    """The contact radius in loading, at a force `F` and an indentation `d`."""
+    """The contact radius in loading, at a force `F` and an indentation `d`, and whether the force is Hertz's."""
     r = Recording()
-    radius, _ = contact_radius(_problem(r, "p", template).impacts, r.symbol("F"), r.symbol("d"))
-    return r.function("contactRadius", "p, n, F, d", {"radius": radius})
+    radius, elastic = contact_radius(_problem(r, "p", template).impacts, r.symbol("F"), r.symbol("d"))
+    return r.function("contactRadius", "p, n, F, d", {"radius": radius, "elastic": elastic})

@@ -116,7 +116,13 @@ function frictionOfSprings(scene, n, problem, given, rebound, own, sample) {
   const normal = Array.from(time, (t, k) => convert(p, t, values, 5 * k));
   const force = Float64Array.from(normal, (row) => Math.max(row.contact_force, 0));
   const depth = Float64Array.from(normal, (row) => row.indentation);
-  const radii = law.dissipates ? radiiBeyondYield(begins.length, force, depth, force.map((F, k) => FORMULAS.contactRadius(p, n, F, depth[k]).radius), n.effective_modulus)
+  let left = false; // Hertz's force, which is met again by chance alone
+  const radiusAt = (/** @type {number} */ F, /** @type {number} */ k) => {
+    const found = FORMULAS.contactRadius(p, n, F, depth[k]);
+    left ||= !found.elastic && depth[k] > 0;
+    return (left && found.elastic ? FORMULAS.contactRadius(p, n, Infinity, depth[k]) : found).radius;
+  };
+  const radii = law.dissipates ? radiiBeyondYield(begins.length, force, depth, force.map(radiusAt), n.effective_modulus)
     : [elasticRadii(curve, p, force, depth, n.effective_modulus)];
   const power = CORE.c.film_springs_power(curve);
   const runs = radii.map((radius) => followSprings(springs, { ...given, power }, begins, steps, time, force, radius));

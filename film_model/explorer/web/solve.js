@@ -133,14 +133,16 @@ function toleranceOf(scene) {
 function choose(scene, slow) {
   const { plasticity, target_motion: motion, gravity } = scene.effects;
   const tolerance = toleranceOf(scene);
-  const { elastic, yielding, damped } = DATA.constants;
+  const { elastic, yielding, damped, steep: steeper } = DATA.constants;
   const yields = gravity === false ? slow.yields_light : slow.yields;
   const automatic = scene.law === "auto";
   const plastic = plasticity === true || (plasticity !== false && yields === true && slow.able);
   const damping = automatic && slow.loss_restitution < 1 ? scene.effects.material_damping : false;
   if (damping !== false && slow.loss_restitution < DATA.constants.least_restitution) throw new Unsupported("losses of the materials this large are not computed on this page");
   const forced = damping === true && plasticity !== true;
-  const law = lawOrThrow(scene, slow, !automatic ? scene.law : forced ? damped : plastic ? yielding : elastic);
+  const usual = forced ? damped : plastic ? yielding : elastic;
+  const sloped = scene.effects.small_slope === true && (forced || (damping === false && !plastic));
+  const law = lawOrThrow(scene, slow, !automatic ? scene.law : sloped ? steeper[usual] : usual);
   const { impedance: own, compliance, vibrates = false, held = false, edges = null } = supportOf(scene, slow, law);
   const n = hardened(scene, slow, law, own, compliance) ?? slow;
   const light = problemOf(law, n, own, 0, compliance);
@@ -191,13 +193,12 @@ function choose(scene, slow) {
     keeps &&= !takes;
     if (effects.plasticity) effects.plasticity.simulated &&= keeps;
   }
-  const steep = automatic && scene.effects.small_slope !== false && lawOf(scene, n, DATA.constants.steep[problem.law.name]).law;
+  const steep = automatic && scene.effects.small_slope !== false && lawOf(scene, n, steeper[problem.law.name]).law;
   if (steep) {
-    const sloped = problemOf(steep, used, problem.impedance, problem.load, problem.compliance, problem.vibrates);
-    const change = changeOf(sloped, problem);
-    const simulated = scene.effects.small_slope === true || !(change <= tolerance);
+    const change = problem.load > 0 ? n.steep_heavy : n.steep;
+    const simulated = scene.effects.small_slope === true || change > tolerance;
     effects.small_slope = { simulated, change };
-    if (simulated) problem = sloped;
+    if (simulated) problem = problemOf(steep, used, problem.impedance, problem.load, problem.compliance, problem.vibrates);
   }
   const waves = wavesOf(scene, slow, used, problem);
   if (waves) {

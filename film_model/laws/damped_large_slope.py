@@ -34,7 +34,7 @@ class DampedLargeSlope(Tsuji):
 
     def stages(self) -> tuple[Stage, ...]:
         damping = Power(slope=1.2, coefficient=1.0, exponent=self.damping_exponent)
-        return (Stage("elastic", 0.0, 10.0, steep_force, work=steep_work, root=True, damping=damping),)
+        return (Stage("elastic", 0.0, 1.0, steep_force, work=steep_work, root=True, damping=damping),)
 
     @classmethod
     def example(cls, ball: ExampleBall) -> Mapping[str, Any]:

@@ -48,7 +48,7 @@ class LargeSlope(AbstractLaw):
         return steep_scales(self.effective_modulus, self.radius, self.slope_coefficient)
 
     def stages(self) -> tuple[Stage, ...]:
-        return (Stage("elastic", 0.0, 10.0, steep_force, work=steep_work, root=True),)
+        return (Stage("elastic", 0.0, 1.0, steep_force, work=steep_work, root=True),)
 
     @classmethod
     def settle(cls, values: dict[str, Any]) -> dict[str, str]:

@@ -10,7 +10,7 @@ from examples.effects_compared import compared
 from examples.reference.files_and_commands import command_page, csv_page, sweep_page
 from examples.reference.scene_file import scene_page
 from examples.reference.variables import dataset_page, fmu_page
-from film_model.effects import rate_hardening, viscoelasticity, wave_losses
+from film_model.effects import large_slope, rate_hardening, viscoelasticity, wave_losses
 from film_model.effects.choose import choose
 from film_model.effects.effect import COMPUTED
 from film_model.effects.judged import RULES
@@ -115,6 +115,8 @@ or `"auto"`, except `fully_plastic`, which is part of the law.
 {_shown(viscoelasticity.__doc__)}
 
 {_shown(material_damping.__doc__)}
+
+{_shown(large_slope.__doc__)}
 
 {_shown(wave_losses.__doc__)}
 

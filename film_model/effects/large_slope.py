@@ -5,8 +5,8 @@
 Each body counts by its share of the compliance. The largest force changes by c √(δ/R)/2 at most, indentation and
 contact time by less. Beyond the tolerance law "auto" takes large-slope in place of hertz, damped-large-slope in place
 of tsuji; [finite elements](finite_elements.md#elastic-contacts-of-large-slope) of a ball with its inertia agree within
-2.2 % of force and indentation up to √(δ/R) = 0.35 by Hertz's law, 7 % up to 0.5. From an indentation of one radius no law
-is valid.
+2.2 % of force and indentation up to √(δ/R) = 0.35 by Hertz's law, 7 % up to 0.5. From an indentation of one radius
+no law is valid.
 """
 
 from __future__ import annotations
@@ -53,7 +53,9 @@ def steep(problem: Problem) -> tuple[Problem, Any]:
 
 def change_of(scene: Scene, load: Any) -> Any:
     """The change of the largest force by the slopes, to first order and at most: the target does not move, and its
-    indentation is the sum of those by the energy alone and by the load [N] alone."""
+    indentation is the sum of those by the energy alone and by the load [N] alone. None if it is unknown."""
+    if scene.slope_coefficient is None:
+        return None
     stiffness = hertz_stiffness(cast("float", scene.effective_modulus), scene.effective_radius)
     deepest = (2.5 * scene.kinetic_energy / stiffness) ** 0.4 + (2.5 * load / stiffness) ** (2.0 / 3.0)
     return 0.5 * scene.slope_coefficient * (deepest / scene.effective_radius) ** 0.5

@@ -101,11 +101,9 @@ def numbers_function(template: Scene, paths: Sequence[str]) -> str:
     outputs["yields"] = reaches_yield(replace_effects(scene, Effects()))
     outputs["yields_light"] = reaches_yield(replace_effects(scene, Effects(gravity=False)))
     outputs["loss_restitution"] = 1.0 if scene.loss_factor is None else loss_restitution(scene.loss_factor)
-    outputs["zener"] = zener(scene, numbers.impedance)
     outputs["waves"], outputs["waves_yielding"] = (wave_losses.impedance_of(scene, yields) for yields in (False, True))
-    outputs["largest_force"] = wave_losses.largest_force(scene)
-    for name, load in (("steep", 0.0), ("steep_heavy", numbers.weight)):
-        outputs[name] = math.nan if scene.slope_coefficient is None else large_slope.change_of(scene, load)
+    outputs |= {"zener": zener(scene, numbers.impedance), "largest_force": wave_losses.largest_force(scene)}
+    outputs |= {f"steep{k}": large_slope.change_of(scene, k * numbers.weight) for k in (0, 1)}
     outputs |= {"family": family_number(scene), "yield_velocities": yield_velocities(scene)}
     for body in ("impactor", "target"):
         outputs[f"pressing_{body}"], outputs[f"cracking_{body}"] = factors(getattr(scene, body).material)

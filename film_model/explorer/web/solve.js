@@ -195,7 +195,7 @@ function choose(scene, slow) {
   }
   const steep = automatic && scene.effects.small_slope !== false && lawOf(scene, n, steeper[problem.law.name]).law;
   if (steep) {
-    const change = problem.load > 0 ? n.steep_heavy : n.steep;
+    const change = problem.load > 0 ? n.steep1 : n.steep0;
     const simulated = scene.effects.small_slope === true || change > tolerance;
     effects.small_slope = { simulated, change };
     if (simulated) problem = problemOf(steep, used, problem.impedance, problem.load, problem.compliance, problem.vibrates);

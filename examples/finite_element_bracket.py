@@ -20,7 +20,7 @@ from skfem.models.elasticity import lame_parameters, linear_elasticity
 
 import film_model as fm
 from film_model.plot import plot_history
-from film_model.targets.modes_of_programs import read_vibrations
+from film_model.targets.modes_of_programs import Told, read_vibrations
 
 LEG, WIDTH, THICKNESS, WALL = 0.060, 0.040, 0.005, 0.030  # m
 STRUCK = (0.055, 0.020, THICKNESS / 2)  # m
@@ -95,7 +95,7 @@ def main(folder: Path) -> fm.History:
     """Write bracket.unv, modes.csv, scene.toml and impact.png to a folder."""
     frequency, shapes, compliance = vibrations()
     write(folder / "bracket.unv", frequency, shapes)
-    read_vibrations(folder / "bracket.unv", 1, "z", [2, 3, 4], None).write(folder / "modes.csv")
+    read_vibrations(folder / "bracket.unv", 1, "z", [2, 3, 4], Told()).write(folder / "modes.csv")
     on_bracket = scene(folder / "modes.csv", compliance)
     (folder / "scene.toml").write_text(on_bracket.to_toml(), encoding="utf-8")
     history = fm.simulate(on_bracket, accuracy=1e-3)

@@ -92,7 +92,7 @@ def judge(case: Case, rule: Rule) -> Effect:
 def settled(effect: Effect, problem: Problem) -> Effect:
     """The estimated effect with what was decided about it. problem: what is simulated."""
     scene, law = problem.scene, problem.law.name
-    if law in STEEP.values() and scene.contact.law == "auto":
+    if law in STEEP.values():
         return effect._replace(state=SIMULATED, threshold=None, reason=f"{effect.reason}: law {law}", cost=FREE)
     if effect.change is None:
         return effect

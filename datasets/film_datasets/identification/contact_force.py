@@ -180,7 +180,7 @@ def identify_force(
     ...     print("time [s], tip [m/s^2]", *rows, sep=chr(10), file=file)
     >>> force, low, high = fd.identify_force("tip.csv", struck.scene).largest
     >>> print(f"{force:.0f} N of {struck.summary['maximum_force']:.0f} N")
-    128 N of 128 N
+    132 N of 132 N
     """
     if isinstance(confidence, bool) or not 0.5 <= confidence < 1.0:
         raise ValueError(f"confidence: {confidence!r} is not allowed: a number from 0.5 to below 1 is needed")

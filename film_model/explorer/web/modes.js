@@ -232,7 +232,9 @@ function vibrate(scene, problem) {
   const period = support.lowest > 0 ? (2 * Math.PI) / support.lowest : 0;
   const limit = rule.longest * (still.contact_duration * p.time + slow + period);
   const fast = rule.first_phase / (still.time_of_maximum_indentation * p.time);
-  const first = rounded(Math.max(fast, 4 * support.lowest), support.rate, support.steps ?? 1);
+  const least = Math.max(fast, 4 * support.lowest);
+  const shared = rounded(least, support.rate, support.steps ?? 1);
+  const first = 4 * shared > support.highest ? rounded(least, support.rate) : shared; // few sets of vibrations, unless they are too many
   const rattles = !law.series && structureOf(scene, Math.min(first, support.highest), rounded(p.time), law.series).omitted > 0;
   let [highest, most] = [first, Math.min(support.highest, rattles ? rule.highest * first : Infinity)];
   const cut = 2 * first > support.highest;

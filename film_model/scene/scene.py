@@ -337,11 +337,11 @@ class Scene:
             "solver": Solver,
             "title": str,
         }
-        allowed = {name: [kind] for name, kind in kinds.items()} | {"target": TARGETS.values()}
+        wrong = {name: kind for name, kind in kinds.items() if not isinstance(getattr(self, name), kind)}
         return [
             mistake(self, name, f"{shown(getattr(self, name))} is not allowed: {' or '.join(names)} is needed")
-            for name, kind in kinds.items()
-            if not isinstance(getattr(self, name), kind) and (names := [one.__name__ for one in allowed[name]])
+            for name, kind in wrong.items()
+            for names in ([one.__name__ for one in (TARGETS.values() if name == "target" else [kind])],)
         ]
 
     def _mistakes(self) -> list[Mistake]:

@@ -32,6 +32,6 @@ def load(name: str) -> Dataset:
     """
     files = _files()
     if name not in files:
-        hint = did_you_mean(name, files) or f"; there are {', '.join(files)}"
+        hint = did_you_mean(str(name), files) or f"; there are {', '.join(files)}"
         raise KeyError(f"no published dataset is called {shown(name)}{hint}")
     return read(files[name])

@@ -147,7 +147,8 @@ def exponent_is_free(law: AbstractLaw) -> bool:
     if "exponent" not in law_fields(type(law)):
         return False
     q, own = float(getattr(law, "exponent", 0.0)), curve_of(law).native
-    if any(own.piece[k].force.constant or own.piece[k].force.slope for k in range(own.pieces)):
+    forces = [own.piece[k].force for k in range(own.pieces)]
+    if any(force.constant or force.slope or force.square for force in forces):
         return False
     for other in (replace(law, exponent=part * q) for part in (0.9, 0.8)):  # type: ignore[type-var]
         made, scales = curve_of(other).native, [one.scales(1.0) for one in (law, other)]

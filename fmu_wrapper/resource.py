@@ -302,7 +302,7 @@ def _damping(curve: native.Curve, xi: float) -> float:
     c: native.Function = piece.damping
     x = (xi - c.origin) * c.per_span
     if c.form == native.POWER:
-        return float(c.constant + c.slope * x + c.coefficient * x**c.exponent)
+        return float(c.constant + (c.slope + c.square * x) * x + c.coefficient * x**c.exponent)
     return float(chebval(2.0 * (math.sqrt(x) if c.form == native.ROOT_SERIES else x) - 1.0, c.series[: c.terms]))
 
 

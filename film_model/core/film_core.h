@@ -32,7 +32,7 @@ enum {
 
 /* The form of a function of indentation, with x = (xi - origin) per_span. */
 enum {
-    FILM_POWER = 0,      /* constant + slope x + coefficient x^exponent,  x >= 0, exponent > 0 */
+    FILM_POWER = 0,      /* constant + slope x + square x^2 + coefficient x^exponent,  x >= 0, exponent > 0 */
     FILM_SERIES = 1,     /* Chebyshev series in 2x - 1,        0 <= x <= 1 */
     FILM_ROOT_SERIES = 2 /* Chebyshev series in 2 sqrt(x) - 1, 0 <= x <= 1 */
 };
@@ -41,7 +41,7 @@ typedef struct {
     int32_t form;
     int32_t terms;
     double origin, per_span; /* per_span: 1/length of a series' interval; 1 for a power */
-    double constant, slope, coefficient, exponent;
+    double constant, slope, square, coefficient, exponent;
     double series[FILM_MAX_TERMS];
 } film_function;
 

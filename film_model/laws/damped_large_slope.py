@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-from film_model.laws.large_slope import BALL, steep_force, steep_scales, steep_work, wrong_coefficient
+from film_model.laws.large_slope import BALL, STEEP_FORCE, steep_scales, wrong_coefficient
 from film_model.laws.law import ExampleBall, Power, Stage
 from film_model.laws.tsuji import Tsuji
 
@@ -34,7 +35,7 @@ class DampedLargeSlope(Tsuji):
 
     def stages(self) -> tuple[Stage, ...]:
         damping = Power(slope=1.2, coefficient=1.0, exponent=self.damping_exponent)
-        return (Stage("elastic", 0.0, 1.0, steep_force, work=steep_work, root=True, damping=damping),)
+        return (Stage("elastic", 0.0, math.inf, STEEP_FORCE, damping=damping),)
 
     @classmethod
     def example(cls, ball: ExampleBall) -> Mapping[str, Any]:

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-from film_model.base.arrays import Array, all_of
+from film_model.base.arrays import all_of
 from film_model.laws.hertz import hertz_stiffness
-from film_model.laws.law import AbstractLaw, Family, Stage, raise_wrong
+from film_model.laws.law import AbstractLaw, Family, Power, Stage, raise_wrong
 
 BALL = 0.976
 """c of an elastic ball on a rigid plane, fitted to its equilibrium by finite elements
@@ -16,6 +17,8 @@ BALL = 0.976
 
 HALF_SPACE = 0.157
 """The same of a rigid ball on an elastic half-space."""
+
+STEEP_FORCE = Power(square=1.0, coefficient=1.0)
 
 
 @dataclass(frozen=True)
@@ -48,7 +51,7 @@ class LargeSlope(AbstractLaw):
         return steep_scales(self.effective_modulus, self.radius, self.slope_coefficient)
 
     def stages(self) -> tuple[Stage, ...]:
-        return (Stage("elastic", 0.0, 1.0, steep_force, work=steep_work, root=True),)
+        return (Stage("elastic", 0.0, math.inf, STEEP_FORCE),)
 
     @classmethod
     def settle(cls, values: dict[str, Any]) -> dict[str, str]:
@@ -59,16 +62,6 @@ def steep_scales(effective_modulus: float, radius: float, slope_coefficient: flo
     """δ_s and F_s."""
     indentation = radius / slope_coefficient**2
     return indentation, hertz_stiffness(effective_modulus, radius) * indentation**1.5
-
-
-def steep_force(xi: Array) -> Array:
-    """f(ξ)."""
-    return xi**1.5 + xi**2
-
-
-def steep_work(xi: Array) -> Array:
-    """∫f dξ."""
-    return xi**2.5 / 2.5 + xi**3 / 3.0
 
 
 def wrong_coefficient(values: Mapping[str, Any]) -> dict[str, str]:

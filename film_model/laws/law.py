@@ -33,7 +33,7 @@ FAMILIES: dict[Family, str] = {
 
 @dataclass(frozen=True)
 class Power:
-    """f(ξ) = constant + slope·x + coefficient·x^exponent with x = ξ − origin; the core evaluates it exactly.
+    """f(ξ) = constant + slope·x + square·x² + coefficient·x^exponent with x = ξ − origin; the core evaluates it exactly.
 
     `origin` defaults to the beginning of the stage the function belongs to.
     """
@@ -43,6 +43,16 @@ class Power:
     coefficient: float = 0.0
     exponent: float = 1.5
     origin: float | None = None
+    square: float = 0.0
+
+    def at(self, x: Any) -> Any:
+        """f at x ≥ 0."""
+        return self.constant + (self.slope + self.square * x) * x + self.coefficient * x**self.exponent
+
+    def work(self, x: Any) -> Any:
+        """∫f dx from 0 to x ≥ 0."""
+        power = self.coefficient * x**self.exponent / (self.exponent + 1.0)
+        return x * (self.constant + (0.5 * self.slope + self.square * x / 3.0) * x + power)
 
 
 Function = Power | Callable[[Array], Array]

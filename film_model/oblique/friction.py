@@ -88,9 +88,9 @@ def convex_power(curve: Curve) -> Power | None:
     """The force of a law that is one convex power, which unloading retraces; of a line the exponent is 1."""
     stage, *others = curve.stages
     force = stage.force
-    if others or not isinstance(force, Power) or force.constant != 0.0 or stage.damping is not None:
+    if others or not isinstance(force, Power) or force.constant or force.square:
         return None
-    if stage.unloading is not None:
+    if stage.unloading is not None or stage.damping is not None:
         return None
     convex = force.slope >= 0.0 and force.coefficient >= 0.0 and (force.exponent >= 1.0 or force.coefficient == 0.0)
     if not convex or force.origin:

@@ -146,14 +146,13 @@ def functions_of(stage: Stage) -> dict[str, Function]:
 def values_of(function: Function, xi: Array, stage: Stage) -> Array:
     """A function of a stage at points."""
     if isinstance(function, Power):
-        x = np.maximum(xi - origin_of(function, stage), 0.0)
-        return function.constant + function.slope * x + function.coefficient * x**function.exponent
+        return function.at(np.maximum(xi - origin_of(function, stage), 0.0))
     return np.broadcast_to(np.asarray(function(xi), dtype=np.float64), xi.shape)
 
 
 def _split_at_peak(stage: Stage) -> list[Stage]:
     """The stage, split at maxima and minima of its force, so that these lie at the ends of stages."""
-    if isinstance(stage.force, Power) and stage.force.slope >= 0.0 and stage.force.coefficient >= 0.0:
+    if isinstance(stage.force, Power) and min(stage.force.slope, stage.force.square, stage.force.coefficient) >= 0.0:
         return [stage]
     end = stage.end if math.isfinite(stage.end) else stage.begin + 1e3
     grid = np.linspace(stage.begin, end, 20 * CHECKS)
@@ -245,25 +244,20 @@ def _fill(
         target = getattr(piece, name)
         if isinstance(function, Power):
             target.form, target.origin, target.per_span = native.POWER, origin_of(function, stage), 1.0
-            target.constant, target.slope = function.constant, function.slope
+            target.constant, target.slope, target.square = function.constant, function.slope, function.square
             target.coefficient, target.exponent = function.coefficient, function.exponent
         else:
             _write(target, series[name], start, end, root)
     if isinstance(stage.force, Power):
         origin = origin_of(stage.force, stage)
-        at_begin = _power_work(stage.force, begin - origin)
+        at_begin = stage.force.work(max(begin - origin, 0.0))
         piece.work_at_begin = at_begin - work
-        return work + _power_work(stage.force, end - origin) - at_begin if end < math.inf else work
+        return work + stage.force.work(max(end - origin, 0.0)) - at_begin if end < math.inf else work
     mean = mean_series(series["force"], root)
     _write(piece.mean, mean, start, end, root)
     before, whole = np.polynomial.chebyshev.chebval([2.0 * math.sqrt((begin - start) / (end - start)) - 1.0, 1.0], mean)
     piece.work_at_begin = float(begin - start) * float(before) - work
     return work + (end - start) * float(whole) - (begin - start) * float(before)
-
-
-def _power_work(power: Power, reach: float) -> float:
-    x = max(reach, 0.0)
-    return x * (power.constant + 0.5 * power.slope * x + power.coefficient * x**power.exponent / (power.exponent + 1.0))
 
 
 def _write(target: native.Function, series: Any, begin: float, end: float, root: bool) -> None:

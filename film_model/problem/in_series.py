@@ -57,7 +57,8 @@ def _never_fall(stages: tuple[Stage, ...], shape: tuple[int, ...]) -> Mask:
     for stage in stages:
         power: Any = stage.force
         if isinstance(power, Power):
-            found &= (np.asarray(power.slope) >= 0.0) & (np.asarray(power.coefficient) >= 0.0)
+            for number in (power.slope, power.square, power.coefficient):
+                found &= np.asarray(number) >= 0.0
         begins = _force(stage, stage.begin)
         found &= abs(begins - before) <= 1e-9 * abs(begins)
         before = _force(stage, stage.end) if np.isfinite(stage.end) else before
@@ -69,5 +70,4 @@ def _force(stage: Stage, xi: float) -> Any:
     power = stage.force
     if not isinstance(power, Power):
         return float(values_of(power, np.array([xi]), stage)[0])
-    x = max(xi - origin_of(power, stage), 0.0)
-    return power.constant + power.slope * x + power.coefficient * x**power.exponent
+    return power.at(max(xi - origin_of(power, stage), 0.0))

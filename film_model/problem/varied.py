@@ -16,7 +16,7 @@ from film_model.problem.curve import curve_of
 from film_model.problem.fit import functions_of
 from film_model.problem.law_of_scene import SceneLaw
 
-_NUMBERS = ("constant", "slope", "coefficient")
+_NUMBERS = ("constant", "slope", "square", "coefficient")
 """What may vary of a power, with its origin: with its exponent, the pieces of a fit would vary too. Where a stage ends
 may vary, too, if the pieces before do not depend on it, and the stage behind is not fitted."""
 

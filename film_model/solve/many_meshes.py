@@ -124,7 +124,7 @@ def _by_powers(problem: Problem) -> bool:
     """Whether tables or Taylor polynomials replace the lines of all stages and branches on moving targets."""
     tabled = 1.5  # of forces and branches that the core has tables and polynomials for (docs/method.md, section 10)
     forces = [stage.force for stage in problem.curve.stages]
-    powers = all(isinstance(f, Power) and (f.exponent == tabled or f.coefficient == 0.0) for f in forces)
+    powers = all(isinstance(f, Power) and not f.square and (f.exponent == tabled or not f.coefficient) for f in forces)
     return powers and problem.curve.steepest in (0.0, 1.0, tabled)  # lines of straight branches are exact
 
 

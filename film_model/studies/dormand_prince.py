@@ -73,15 +73,17 @@ def _one(numba: Any, stage: Stage, function: Any) -> Any:
         if not isinstance(function, FunctionType):
             raise ValueError(f"stage {stage.name!r} is not a function that numba compiles")
         return numba.njit(function)
-    c0, c1, c2, q = function.constant, function.slope, function.coefficient, function.exponent
+    c0, c1, square, c2, q = (getattr(function, n) for n in ("constant", "slope", "square", "coefficient", "exponent"))
     origin = origin_of(function, stage)
-    if c2 == 0.0:
+    if c2 == square == 0.0:
         return numba.njit(lambda x: c0 + c1 * (x - origin))
-    if q == 1.5:
+    if q == 1.5 and square == 0.0:
         return numba.njit(
             lambda x: c0 + c1 * (x - origin) + c2 * max(x - origin, 0.0) * math.sqrt(max(x - origin, 0.0))
         )
-    return numba.njit(lambda x: c0 + c1 * (x - origin) + c2 * max(x - origin, 0.0) ** q)
+    return numba.njit(
+        lambda x: c0 + (c1 + square * (x - origin)) * (x - origin) + c2 * max(x - origin, 0.0) ** q
+    )
 
 
 def _chained(numba: Any, k: int, own: Any, others: Any) -> Any:

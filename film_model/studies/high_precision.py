@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from typing import Any
 
 from film_model.laws.law import AbstractLaw, Power, Stage, origin_of
@@ -69,16 +70,10 @@ class _Extended:
             raise ValueError(
                 f"stage {stage.name!r} is not made of powers whose exponents are multiples of 1/{self.root}"
             )
-        c0, c1, c2, q = (
-            self.mp.mpf(v) for v in (function.constant, function.slope, function.coefficient, function.exponent)
-        )
+        names = ("constant", "slope", "square", "coefficient", "exponent")
+        exact = replace(function, **{name: self.mp.mpf(getattr(function, name)) for name in names})
         origin = self.mp.mpf(origin_of(function, stage))
-
-        def value(xi: Any) -> Any:
-            x = max(xi - origin, self.mp.mpf(0))
-            return c0 + c1 * x + (c2 * x**q if c2 else 0)
-
-        return value
+        return lambda xi: exact.at(max(xi - origin, self.mp.mpf(0)))
 
     def summary(self) -> dict[str, float]:
         """The values of the whole contact."""

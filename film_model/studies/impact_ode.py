@@ -139,7 +139,7 @@ class Impact:
         if run.power is None or damping is None:
             raise ValueError(f"stage {stage.name!r} has damping that is not a power")
         damper = self.damper
-        scaled = replace(damping, **{n: damper * getattr(damping, n) for n in ("constant", "slope", "coefficient")})
+        scaled = replace(damping, **{n: damper * getattr(damping, n) for n in ("constant", "slope", "square", "coefficient")})
         return run._replace(damping=scalar(scaled, stage), slopes=(_slope(run.power), _slope(scaled)))
 
 
@@ -149,7 +149,8 @@ def _own_power(function: Function, stage: Stage) -> Power | None:
 
 def _slope(power: Power) -> Force:
     c1, c2, q, origin = power.slope, power.coefficient, power.exponent, power.origin or 0.0
-    return lambda xi: c1 + (c2 * q * max(xi - origin, 1e-300) ** (q - 1.0) if c2 else 0.0)
+    twice = 2.0 * power.square
+    return lambda xi: c1 + twice * (xi - origin) + (c2 * q * max(xi - origin, 1e-300) ** (q - 1.0) if c2 else 0.0)
 
 
 def scalar(function: Function, stage: Stage) -> Force:
@@ -157,13 +158,8 @@ def scalar(function: Function, stage: Stage) -> Force:
     power, begin = _own_power(function, stage), stage.begin
     if power is None:
         return lambda xi: float(value(function, max(xi, begin), stage))
-    c0, c1, c2, q, origin = power.constant, power.slope, power.coefficient, power.exponent, power.origin or 0.0
-
-    def force(xi: float) -> float:
-        x = max(xi - origin, 0.0)
-        return c0 + c1 * x + c2 * x**q
-
-    return force
+    origin = power.origin or 0.0
+    return lambda xi: power.at(max(xi - origin, 0.0))
 
 
 class Advance(Protocol):

@@ -118,7 +118,7 @@ def heyoka(rtol: float, impact: Impact) -> Callable[[], tuple[float, ...]]:
         f = hy.par[2]
         for _ in range(round(2.0 * power.exponent)):
             f = f * y
-        f = f + hy.par[0] + hy.par[1] * y * y
+        f = f + hy.par[0] + (hy.par[1] + power.square * y * y) * y * y
         edge = hy.par[3]
         rising, falling = hy.event_direction.positive, hy.event_direction.negative
         events = [hy.t_event(y - edge, direction=rising if loading else falling)]

@@ -256,8 +256,7 @@ def value(function: Function | float, xi: Any, stage: Stage) -> Array:
         return np.full(x.shape, float(function))
     if not isinstance(function, Power):
         return np.broadcast_to(np.asarray(function(np.atleast_1d(x)), dtype=np.float64).reshape(x.shape), x.shape)
-    z = np.maximum(x - origin_of(function, stage), 0.0)
-    return function.constant + function.slope * z + function.coefficient * z**function.exponent
+    return function.at(np.maximum(x - origin_of(function, stage), 0.0))
 
 
 def work_before(stage: Stage, to: float, lengths: Any) -> Array:
@@ -276,7 +275,8 @@ def work_before(stage: Stage, to: float, lengths: Any) -> Array:
     with np.errstate(divide="ignore"):
         # top^n − (top − x)^n
         difference = -(top**n) * np.expm1(n * np.log1p(-x / top))
-    return force.constant * d + force.slope * x * (top - 0.5 * x) + force.coefficient * difference / n
+    line, square = x * (top - 0.5 * x), x * (top * (top - x) + x * x / 3.0)
+    return force.constant * d + force.slope * line + force.square * square + force.coefficient * difference / n
 
 
 def unloaded(rule: Unloading, stage: Stage, xi: float, force: float) -> Stage:

@@ -14,7 +14,7 @@ void film_law(const film_curve *curve, int32_t stage, double xi, double *force, 
 
 static int bad_function(const film_function *g) {
     if (g->form == FILM_POWER)
-        return !(isfinite(g->constant) && isfinite(g->slope) && isfinite(g->coefficient) && g->exponent > 0.0 &&
+        return !(isfinite(g->constant) && isfinite(g->slope) && isfinite(g->square) && isfinite(g->coefficient) && g->exponent > 0.0 &&
                  isfinite(g->exponent) && isfinite(g->origin) && g->per_span == 1.0);
     if (g->form != FILM_SERIES && g->form != FILM_ROOT_SERIES) return 1;
     if (g->terms < 1 || g->terms > FILM_MAX_TERMS || !(g->per_span > 0.0 && g->per_span < INFINITY) || !isfinite(g->origin)) return 1;

@@ -43,11 +43,19 @@ static inline double scaled_distance(const film_function *g, double xi) {
     return x > 0.0 ? x : 0.0;
 }
 
+/* Of a power, all but the term of its exponent. */
+static inline double plain_part(const film_function *g, double x) { return g->constant + (g->slope + g->square * x) * x; }
+
+/* Of a power, its integral over x; power: its last term. */
+static inline double power_work(const film_function *g, double x, double power) {
+    return x * (g->constant + (0.5 * g->slope + g->square * (1.0 / 3) * x) * x + power * work_factor(g->exponent));
+}
+
 static inline double value_at(const film_function *g, double xi) {
     double x = scaled_distance(g, xi);
     if (g->form == FILM_SERIES) return chebyshev(g, 2.0 * x - 1.0);
     if (g->form == FILM_ROOT_SERIES) return chebyshev(g, 2.0 * sqrt(x) - 1.0);
-    double f = g->constant + g->slope * x;
+    double f = plain_part(g, x);
     return g->coefficient == 0.0 ? f : f + g->coefficient * power_of(x, g->exponent);
 }
 
@@ -56,8 +64,9 @@ static inline double value_at(const film_function *g, double xi) {
 static inline double slope_at(const film_function *g, double xi) {
     double x = scaled_distance(g, xi);
     if (g->form == FILM_POWER) {
-        if (g->coefficient == 0.0 || (x == 0.0 && g->exponent < 1.0)) return g->slope;
-        return g->slope + g->coefficient * (g->exponent * power_of(x, g->exponent - 1.0));
+        double line = g->slope + 2.0 * g->square * x;
+        if (g->coefficient == 0.0 || (x == 0.0 && g->exponent < 1.0)) return line;
+        return line + g->coefficient * (g->exponent * power_of(x, g->exponent - 1.0));
     }
     double root = g->form == FILM_ROOT_SERIES ? sqrt(x > 1e-30 ? x : 1e-30) : 0.0;
     double z = root > 0.0 ? 2.0 * root - 1.0 : 2.0 * x - 1.0, before = 0.0, now = 0.0;
@@ -74,8 +83,8 @@ static inline void value_and_slope(const film_function *g, double xi, double *va
     double x = scaled_distance(g, xi), z = 2.0 * x - 1.0, b1 = 0.0, b2 = 0.0, now = 0.0, before = 0.0;
     if (g->form == FILM_POWER) {
         double power = g->coefficient == 0.0 ? 0.0 : g->coefficient * power_of(x, g->exponent);
-        *value = g->constant + g->slope * x + power;
-        *slope = power == 0.0 ? slope_at(g, xi) : g->slope + g->exponent * power / x;
+        *value = plain_part(g, x) + power;
+        *slope = power == 0.0 ? slope_at(g, xi) : g->slope + 2.0 * g->square * x + g->exponent * power / x;
         return;
     }
     if (g->form == FILM_ROOT_SERIES) {
@@ -108,8 +117,8 @@ static inline void piece_law(const film_piece *piece, double xi, double *force, 
     if (g->form == FILM_POWER) {
         double x = scaled_distance(g, xi);
         double power = g->coefficient == 0.0 ? 0.0 : g->coefficient * power_of(x, g->exponent);
-        *force = g->constant + g->slope * x + power;
-        *work = x * (g->constant + 0.5 * g->slope * x + power * work_factor(g->exponent)) - piece->work_at_begin;
+        *force = plain_part(g, x) + power;
+        *work = power_work(g, x, power) - piece->work_at_begin;
     } else {
         *force = value_at(g, xi);
         *work = fmax(xi - g->origin, 0.0) * value_at(&piece->mean, xi) - piece->work_at_begin;

@@ -105,7 +105,7 @@ void film_split_off_spring(const film_curve *curve, const film_line *line, doubl
 
 /* Whether a function is sure not to fall: d/dz of a series is at least a_1 - sum k^2 |a_k|, as T_k' <= k^2. */
 static int never_falls(const film_function *g) {
-    if (g->form == FILM_POWER) return g->slope >= 0.0 && g->coefficient >= 0.0;
+    if (g->form == FILM_POWER) return g->slope >= 0.0 && g->square >= 0.0 && g->coefficient >= 0.0;
     double least = g->terms > 1 ? g->series[1] : 0.0;
     for (int k = 2; k < g->terms; k++) least -= k * k * fabs(g->series[k]);
     return least >= 0.0;

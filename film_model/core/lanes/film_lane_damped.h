@@ -30,37 +30,37 @@ typedef double series[TERMS + 1][LANES];
 /* Lanes on one step. xi = z^m and dt = z^(m - 1) ds: powers of xi are whole powers of z, so motion begins, turns and ends as a
  * power series in s. */
 typedef struct {
-    double gamma[LANES], damper[LANES], load[LANES], stop[LANES]; /* damper: c over z^damping */
+    double gamma[LANES], damper[LANES], load[LANES], stop[LANES]; /* damper: c over z^damping + faster z^root */
     series z, nu, time, squares; /* squares: the integral of F^2 dt */
     series power[MOST_POWER + 1]; /* of z: those that are used */
+    series elastic, drag;         /* force over stiffness, c over factor: where they are more than one power */
     series y, force, push;        /* xi'; F; F dt/ds */
 } damped_lanes;
-
-/* The sum of products of the terms of a and b up to k. */
-INLINED void product_term(double (*a)[LANES], double (*b)[LANES], int from, int k, double *restrict out) {
-    double sum[LANES] = {0.0};
-    for (int i = from; i <= k; i++) EACH(l) sum[l] += a[i][l] * b[k - i][l];
-    memcpy(out, sum, sizeof sum);
-}
 
 /* Term k of the powers of z, and of dt/ds. */
 static void power_terms(const damped_form *form, damped_lanes *restrict w, int k) {
     memcpy(w->power[1][k], w->z[k], sizeof w->z[k]);
     for (int e = 2; e <= MOST_POWER; e++)
         if (form->used[e]) product_term(w->power[e / 2], w->power[e - e / 2], 0, k, w->power[e][k]);
+    if (!form->more) return;
+    EACH(l) {
+        w->elastic[k][l] = w->power[form->force][k][l] + form->steeper * w->power[2 * form->root][k][l];
+        w->drag[k][l] = w->power[form->damping][k][l] + form->faster * w->power[form->root][k][l];
+    }
 }
 
 /* The terms of all series from those of order 0 of z, nu, time and squares: z' = y/m, nu' = (p - F) z^(m - 1) by s. */
 static void motion_terms(const damped_form *form, damped_lanes *restrict w) {
-    double m = form->root;
+    double m = form->root, (*elastic)[LANES] = form->more ? w->elastic : w->power[form->force];
+    double(*drags)[LANES] = form->more ? w->drag : w->power[form->damping];
     EACH(l) w->power[0][0][l] = 1.0;
     for (int k = 1; k <= TERMS; k++) EACH(l) w->power[0][k][l] = 0.0;
     for (int k = 0; k < TERMS; k++) {
         double shared[LANES] = {0.0}, per = 1.0 / (k + 1);
         power_terms(form, w, k);
-        if (form->damping > 0) product_term(w->power[form->damping], w->y, 1, k, shared);
+        if (form->damping > 0 || form->more) product_term(drags, w->y, 1, k, shared);
         EACH(l) {
-            double c = w->damper[l] * w->power[form->damping][0][l], f = form->stiffness * w->power[form->force][k][l];
+            double c = w->damper[l] * drags[0][l], f = form->stiffness * elastic[k][l];
             double drag = w->damper[l] * shared[l], g = w->gamma[l];
             w->y[k][l] = (w->nu[k][l] - g * (f + drag)) / (1.0 + g * c);
             w->force[k][l] = f + drag + c * w->y[k][l];
@@ -84,20 +84,15 @@ static void sum_series(double (*a)[LANES], const double *restrict at, double *re
     memcpy(out, sum, sizeof sum);
 }
 
-static void whole_power(const double *restrict z, int e, double *restrict out) {
-    EACH(l) out[l] = 1.0;
-    for (int i = 0; i < e; i++) EACH(l) out[l] *= z[l];
-}
-
 /* F at z and nu. */
 static void damped_force(const damped_form *form, const damped_lanes *w, const double *restrict z, const double *restrict nu,
                          double *restrict force) {
     double f[LANES], c[LANES];
-    whole_power(z, form->force, f);
-    whole_power(z, form->damping, c);
+    two_powers(z, form->stiffness, form->force, form->stiffness * form->steeper, 2 * form->root, f);
+    two_powers(z, 1.0, form->damping, form->faster, form->root, c);
     EACH(l) {
         c[l] *= w->damper[l];
-        force[l] = (form->stiffness * f[l] + c[l] * nu[l]) / (1.0 + w->gamma[l] * c[l]);
+        force[l] = (f[l] + c[l] * nu[l]) / (1.0 + w->gamma[l] * c[l]);
     }
 }
 
@@ -105,26 +100,27 @@ static void damped_force(const damped_form *form, const damped_lanes *w, const d
  * force; F at the end, over the power of z that it shares with c. */
 static void event_values(const damped_form *form, const damped_lanes *w, int event, const double *restrict z,
                          const double *restrict nu, double *restrict out) {
-    double f[LANES], c[LANES], whole[LANES], force[LANES];
+    double f[LANES], c[LANES], whole[LANES], force[LANES], k = form->stiffness, more = k * form->steeper;
+    int m = form->root, of_f = form->force, of_c = form->damping;
     if (event == AT_STOP) {
         EACH(l) out[l] = nu[l] - w->stop[l];
     } else if (event == AT_TURN) {
-        whole_power(z, form->force, f);
-        EACH(l) out[l] = nu[l] - w->gamma[l] * (form->stiffness * f[l]);
+        two_powers(z, k, of_f, more, 2 * m, f);
+        EACH(l) out[l] = nu[l] - w->gamma[l] * f[l];
     } else if (event == AT_RELEASE) {
-        whole_power(z, form->force - form->damping, f);
-        if (form->force == form->damping) EACH(l) out[l] = z[l];
-        else EACH(l) out[l] = form->stiffness * f[l] + w->damper[l] * nu[l];
+        two_powers(z, k, of_f - of_c, more, 2 * m - of_c, f);
+        two_powers(z, 1.0, 0, form->faster, m - of_c, c);
+        if (of_f == of_c) EACH(l) out[l] = z[l];
+        else EACH(l) out[l] = f[l] + c[l] * (w->damper[l] * nu[l]);
     } else {
-        int shared = form->damping > 0 ? form->damping : form->root;
-        double of_f = form->force, of_c = form->damping, m = form->root;
+        int shared = of_c > 0 ? of_c : m;
         damped_force(form, w, z, nu, force);
-        whole_power(z, form->damping, c);
-        whole_power(z, form->force - shared, f);
-        whole_power(z, form->root + form->damping - shared, whole);
+        two_powers(z, of_f * k, of_f - shared, 2 * m * more, 2 * m - shared, f);
+        two_powers(z, of_c, 0, m * form->faster, m - shared, c);
+        two_powers(z, 1.0, m + of_c - shared, form->faster, 2 * m - shared, whole);
         EACH(l) {
             double moved = nu[l] - w->gamma[l] * force[l];
-            double spring = of_f * form->stiffness * f[l] + of_c * w->damper[l] * moved;
+            double spring = f[l] + c[l] * w->damper[l] * moved;
             out[l] = spring * moved / m + w->damper[l] * whole[l] * (w->load[l] - force[l]);
         }
     }
@@ -211,10 +207,10 @@ static void start_damped(const batch_job *j, const int64_t *index, int count, da
 static void step_lengths(const damped_form *form, const damped_lanes *w, double share, const double *restrict longest,
                          double *restrict h) {
     double most[LANES], work[LANES], per[LANES];
-    whole_power(w->z[0], form->force + form->root, work);
+    two_powers(w->z[0], 2.0 * form->root / (form->force + form->root) * form->stiffness, form->force + form->root,
+               form->stiffness * form->steeper * (2.0 / 3), 3 * form->root, work);
     EACH(l) {
-        double twice = 2.0 * form->root / (form->force + form->root) * form->stiffness * fabs(work[l]);
-        per[l] = 1.0 / sqrt(w->nu[0][l] * w->nu[0][l] + twice);
+        per[l] = 1.0 / sqrt(w->nu[0][l] * w->nu[0][l] + fabs(work[l]));
         most[l] = -1000.0;
     }
     for (int k = TERMS - 5; k < TERMS; k++) {
@@ -344,11 +340,12 @@ static void sample_damped(const batch_job *j, const int64_t *index, int count, d
         sum_series(w->nu, place, nu);
         damped_force(form, w, z, nu, force);
         whole_power(z, form->root, depth);
-        whole_power(z, form->force - form->root, slope);
+        two_powers(z, form->stiffness * form->force / form->root, form->force - form->root,
+                   2.0 * form->stiffness * form->steeper, form->root, slope);
         for (int l = 0; l < count; l++) {
             if (!(due[l] > 0.0)) continue;
             int64_t at = index[l] * to->samples + next[l]++;
-            to->force[at] = force[l], to->depth[at] = depth[l], to->slope[at] = form->stiffness * form->force / form->root * slope[l];
+            to->force[at] = force[l], to->depth[at] = depth[l], to->slope[at] = slope[l];
         }
     }
 }

@@ -127,4 +127,24 @@ static void power_lanes_of(const double *restrict x, double exponent, double *re
     }
 }
 
+/* The sum of products of the terms of a and b up to k, from term `from` of a on. */
+INLINED void product_term(double (*a)[LANES], double (*b)[LANES], int from, int k, double *restrict out) {
+    double sum[LANES] = {0.0};
+    for (int i = from; i <= k; i++) EACH(l) sum[l] += a[i][l] * b[k - i][l];
+    memcpy(out, sum, sizeof sum);
+}
+
+static void whole_power(const double *restrict z, int e, double *restrict out) {
+    EACH(l) out[l] = 1.0;
+    for (int i = 0; i < e; i++) EACH(l) out[l] *= z[l];
+}
+
+/* a z^e + b z^f, f >= e. */
+static void two_powers(const double *restrict z, double a, int e, double b, int f, double *restrict out) {
+    double rest[LANES];
+    whole_power(z, e, out);
+    if (b != 0.0) whole_power(z, f - e, rest);
+    EACH(l) out[l] *= b != 0.0 ? a + b * rest[l] : a;
+}
+
 #endif

@@ -23,8 +23,8 @@ static void law_and_slope_lanes(const batch_job *j, int32_t stage, int32_t p, co
         return;
     }
     EACH(l) { /* of the force, so that no second power is needed */
-        double x = xi[l] - g->origin, power = f[l] - g->constant - g->slope * x;
-        slope[l] = g->slope + (x > 0.0 ? g->exponent * power / x : 0.0);
+        double x = xi[l] - g->origin, power = f[l] - plain_part(g, x);
+        slope[l] = g->slope + 2.0 * g->square * x + (x > 0.0 ? g->exponent * power / x : 0.0);
     }
 }
 

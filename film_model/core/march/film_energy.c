@@ -21,7 +21,7 @@ static int bracket_turn(const film_curve *curve, const film_line *run, double xi
     const film_piece *piece = piece_at(curve, run->branch, INFINITY);
     const film_function *g = &piece->force;
     double reach = INFINITY, slope;
-    if (g->coefficient > 0.0 && g->slope >= 0.0 && g->constant >= 0.0 && load <= 0.0 && curve->compliance == 0.0)
+    if (g->coefficient > 0.0 && g->square >= 0.0 && g->slope >= 0.0 && g->constant >= 0.0 && load <= 0.0 && curve->compliance == 0.0)
         reach = pow((g->exponent + 1.0) * (total + piece->work_at_begin) / g->coefficient, work_factor(g->exponent));
     *outer = reach < INFINITY ? g->origin + reach * (1.0 + 1e-12) : xi + 1.0;
     for (int k = 0; energy_at(curve, run, total, load, *outer, near, &slope) > 0.0; k++) {

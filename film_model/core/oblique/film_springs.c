@@ -34,8 +34,8 @@ double film_springs_power(const film_curve *curve) {
     const film_function *force = &curve->piece[0].force;
     int alone = curve->stages == 1 && curve->pieces == 1 && curve->stage[0].unloading == FILM_RETRACE && force->form == FILM_POWER;
     if (!alone || force->constant != 0.0 || force->origin != 0.0) return SPHERE;
-    if (force->coefficient == 0.0 || force->exponent == 1.0) return 0.0;
-    return force->slope != 0.0 || force->exponent < 1.0 ? SPHERE : fmin(1.0 / (force->exponent - 1.0), FILM_MOST_POWER);
+    if (force->square == 0.0 && (force->coefficient == 0.0 || force->exponent == 1.0)) return 0.0;
+    return force->slope != 0.0 || force->square != 0.0 || force->exponent < 1.0 ? SPHERE : fmin(1.0 / (force->exponent - 1.0), FILM_MOST_POWER);
 }
 
 int film_springs_init(film_springs *state, int32_t count, double modulus, double largest, double power, double friction, double mass,

@@ -65,13 +65,13 @@ typedef struct {
     double term[MOST_TERMS];
 } crossing;
 
-/* A damped power law as lanes run it: in z, with xi = z^root, force = stiffness z^force, c = factor z^damping; root 0: lanes
- * cannot run it. */
-enum { MOST_POWER = 6 };
+/* A damped power law as lanes run it: in z, with xi = z^root, force = stiffness (z^force + steeper z^(2 root)), c = factor
+ * (z^damping + faster z^root); root 0: lanes cannot run it. */
+enum { MOST_POWER = 8 };
 typedef struct {
-    int32_t root, force, damping;
+    int32_t root, force, damping, more; /* more: 1 if steeper or faster are not 0 */
     int32_t used[MOST_POWER + 1]; /* 1: the power of z is a product that is needed */
-    double stiffness, factor;
+    double stiffness, steeper, factor, faster;
 } damped_form;
 
 /* Where the motions of impacts go, over ascending times: values of impact i from i samples on. slope: of the force without damping. */
@@ -101,7 +101,7 @@ typedef struct {
     double exponent[FILM_MAX_STAGES]; /* of the branch of a contact that turned there; NAN: it depends on the depth */
     int32_t touch;  /* the stage in which contact begins: 0, unless the law pulls */
     double parting; /* work from the end of contact to first touch: 0, unless the law pulls */
-    int32_t simple[FILM_MAX_STAGES];  /* one power from its beginning on, whose force rises */
+    int32_t simple[FILM_MAX_STAGES];  /* one power from its beginning on, whose force rises, without a square */
     gauss_rule rule;
     crossing across[FILM_MAX_PIECES];
     damped_form damped;
@@ -137,9 +137,9 @@ extern const double film_way_out[MAP_PIECES * FILM_WAY_OUT_TERMS * FILM_WAY_OUT_
 /* A stage of one power whose force rises: Newton's method finds its depth for a given work from above. */
 static inline int force_rises(const film_curve *curve, int32_t stage) {
     const film_function *g = &curve->piece[curve->stage[stage].first].force;
-    int pulled = curve->pull > 0.0 && g->slope == 0.0 && g->coefficient > 0.0 && g->exponent >= 1.0;
+    int pulled = curve->pull > 0.0 && g->slope == 0.0 && g->square == 0.0 && g->coefficient > 0.0 && g->exponent >= 1.0;
     return curve->stage[stage].count == 1 && g->form == FILM_POWER && (g->constant >= 0.0 || pulled) && g->slope >= 0.0 &&
-           g->coefficient >= 0.0;
+           g->square >= 0.0 && g->coefficient >= 0.0;
 }
 
 /* One power law k x^q from first touch on: a run to the turn is one run, scaled, and where the law is reversible the way

@@ -71,7 +71,7 @@ static double branch_exponent(const film_curve *curve, int32_t stage) {
     const film_piece *piece = &curve->piece[curve->stage[stage].first];
     for (int32_t p = 0; p < curve->stage[stage].count; p++) {
         const film_function *g = &piece[p].exponent;
-        if (g->form != FILM_POWER || g->slope != 0.0 || g->coefficient != 0.0) return NAN;
+        if (g->form != FILM_POWER || g->slope != 0.0 || g->square != 0.0 || g->coefficient != 0.0) return NAN;
         if (g->constant != piece->exponent.constant) return NAN;
     }
     return piece->exponent.constant;
@@ -95,7 +95,7 @@ void film_prepare_stage(batch_job *j, int32_t k) {
     const film_stage *stage = &curve->stage[k];
     const film_function *g = &curve->piece[stage->first].force;
     int reversible = stage->unloading == FILM_RETRACE;
-    j->simple[k] = force_rises(curve, k) && g->origin == stage->begin;
+    j->simple[k] = force_rises(curve, k) && g->origin == stage->begin && g->square == 0.0;
     j->exponent[k] = reversible || stage->unloading == FILM_SIMILAR ? NAN : branch_exponent(curve, k);
     if (reversible && plain_power(j, k)) j->exponent[k] = g->exponent;
 }
@@ -150,12 +150,19 @@ static int32_t whole_multiple(double exponent, int32_t root) {
     return times >= 0.0 && times <= MOST_POWER && times == (double)(int32_t)times ? (int32_t)times : -1;
 }
 
-/* The factor of a function that is one power from 0 on, and its exponent; 0 if it is not. */
-static double lone_power(const film_function *g, double *exponent) {
+/* The factor of a function that is one power from 0 on, or one and *more >= 0 times x^highest, which is higher, and its
+ * exponent; 0 if it is neither. */
+static double leading_power(const film_function *g, int highest, double *exponent, double *more) {
+    double slope = g->slope, square = g->square, *above = highest == 1 ? &slope : &square;
     if (g->form != FILM_POWER || g->origin != 0.0 || g->per_span != 1.0) return 0.0;
-    int parts = (g->constant != 0.0) + (g->slope != 0.0) + (g->coefficient != 0.0);
-    *exponent = g->coefficient != 0.0 ? g->exponent : g->slope != 0.0 ? 1.0 : 0.0;
-    return parts == 1 ? g->constant + g->slope + g->coefficient : 0.0;
+    *more = 0.0;
+    if (g->coefficient != 0.0 && g->exponent < highest) {
+        *more = *above / g->coefficient;
+        *above = 0.0;
+    }
+    int parts = (g->constant != 0.0) + (slope != 0.0) + (square != 0.0) + (g->coefficient != 0.0);
+    *exponent = g->coefficient != 0.0 ? g->exponent : square != 0.0 ? 2.0 : slope != 0.0 ? 1.0 : 0.0;
+    return parts == 1 && *more >= 0.0 ? g->constant + slope + square + g->coefficient : 0.0;
 }
 
 void film_prepare_damped(batch_job *j) {
@@ -168,16 +175,18 @@ void film_prepare_damped(batch_job *j) {
         curve->stage[0].end < INFINITY || curve->compliance != 0.0 || needs_lines(j->mesh) ||
         j->mesh->loading < 1)
         return;
-    form->stiffness = lone_power(&piece->force, &force);
-    form->factor = lone_power(&piece->damping, &damping);
+    form->stiffness = leading_power(&piece->force, 2, &force, &form->steeper);
+    form->factor = leading_power(&piece->damping, 1, &damping, &form->faster);
+    form->more = form->steeper + form->faster > 0.0;
     if (!(form->stiffness > 0.0 && form->factor > 0.0 && force >= 1.0)) return;
     for (int32_t root = 1; root <= 4 && form->root == 0; root *= 2) {
         form->force = whole_multiple(force, root);
         form->damping = whole_multiple(damping, root);
-        if (form->force >= form->damping && form->damping >= 0) form->root = root;
+        if (form->force >= form->damping + form->more && form->damping >= 0) form->root = root;
     }
     if (form->root == 0) return;
     form->used[form->force] = form->used[form->damping] = form->used[form->root - 1] = 1;
+    if (form->more) form->used[form->root] = form->used[2 * form->root] = 1;
     for (int e = MOST_POWER; e > 1; e--)
         if (form->used[e]) form->used[e / 2] = form->used[e - e / 2] = 1;
 }

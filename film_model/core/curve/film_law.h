@@ -43,12 +43,10 @@ static inline double scaled_distance(const film_function *g, double xi) {
     return x > 0.0 ? x : 0.0;
 }
 
-/* Of a power, all but the term of its exponent. */
-static inline double plain_part(const film_function *g, double x) { return g->constant + (g->slope + g->square * x) * x; }
-
-/* Of a power, its integral over x; power: its last term. */
-static inline double power_work(const film_function *g, double x, double power) {
-    return x * (g->constant + (0.5 * g->slope + g->square * (1.0 / 3) * x) * x + power * work_factor(g->exponent));
+/* A power without its last term. The square, which few laws have, by a branch: it costs the others 3 % of a batch else. */
+static inline double plain_part(const film_function *g, double x) {
+    double f = g->constant + g->slope * x;
+    return g->square == 0.0 ? f : f + g->square * (x * x);
 }
 
 static inline double value_at(const film_function *g, double xi) {
@@ -64,7 +62,7 @@ static inline double value_at(const film_function *g, double xi) {
 static inline double slope_at(const film_function *g, double xi) {
     double x = scaled_distance(g, xi);
     if (g->form == FILM_POWER) {
-        double line = g->slope + 2.0 * g->square * x;
+        double line = g->square == 0.0 ? g->slope : g->slope + 2.0 * g->square * x;
         if (g->coefficient == 0.0 || (x == 0.0 && g->exponent < 1.0)) return line;
         return line + g->coefficient * (g->exponent * power_of(x, g->exponent - 1.0));
     }
@@ -84,7 +82,8 @@ static inline void value_and_slope(const film_function *g, double xi, double *va
     if (g->form == FILM_POWER) {
         double power = g->coefficient == 0.0 ? 0.0 : g->coefficient * power_of(x, g->exponent);
         *value = plain_part(g, x) + power;
-        *slope = power == 0.0 ? slope_at(g, xi) : g->slope + 2.0 * g->square * x + g->exponent * power / x;
+        *slope = power == 0.0 ? slope_at(g, xi) : g->slope + g->exponent * power / x;
+        if (power != 0.0 && g->square != 0.0) *slope += 2.0 * g->square * x;
         return;
     }
     if (g->form == FILM_ROOT_SERIES) {
@@ -117,8 +116,11 @@ static inline void piece_law(const film_piece *piece, double xi, double *force, 
     if (g->form == FILM_POWER) {
         double x = scaled_distance(g, xi);
         double power = g->coefficient == 0.0 ? 0.0 : g->coefficient * power_of(x, g->exponent);
-        *force = plain_part(g, x) + power;
-        *work = power_work(g, x, power) - piece->work_at_begin;
+        *force = g->constant + g->slope * x + power;
+        *work = x * (g->constant + 0.5 * g->slope * x + power * work_factor(g->exponent)) - piece->work_at_begin;
+        if (g->square == 0.0) return;
+        *force += g->square * (x * x);
+        *work += g->square * (1.0 / 3) * (x * x * x);
     } else {
         *force = value_at(g, xi);
         *work = fmax(xi - g->origin, 0.0) * value_at(&piece->mean, xi) - piece->work_at_begin;

@@ -26,10 +26,13 @@ static void works_at(const film_piece *piece, const double *restrict xi, double 
         x[i] = x[i] > 0.0 ? x[i] : 0.0;
     }
     if (g->form == FILM_POWER) {
+        double per = work_factor(g->exponent);
         int power = g->coefficient != 0.0, hertz = power && g->exponent == 1.5;
         for (int i = 0; i < PLACES && hertz; i++) a[i] = x[i] * sqrt(x[i]);
         for (int i = 0; i < PLACES && power && !hertz; i += LANES) power_lanes_of(&x[i], g->exponent, &a[i]);
-        for (int i = 0; i < PLACES; i++) work[i] = power_work(g, x[i], g->coefficient * a[i]) - piece->work_at_begin;
+        for (int i = 0; i < PLACES; i++)
+            work[i] = x[i] * (g->constant + 0.5 * g->slope * x[i] + g->coefficient * a[i] * per) - piece->work_at_begin;
+        for (int i = 0; i < PLACES && g->square != 0.0; i++) work[i] += g->square * (1.0 / 3) * (x[i] * x[i] * x[i]);
         return;
     }
     for (int i = 0; i < PLACES; i++) {

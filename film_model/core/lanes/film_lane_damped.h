@@ -109,9 +109,11 @@ static void event_values(const damped_form *form, const damped_lanes *w, int eve
         EACH(l) out[l] = nu[l] - w->gamma[l] * f[l];
     } else if (event == AT_RELEASE) {
         two_powers(z, k, of_f - of_c, more, 2 * m - of_c, f);
-        two_powers(z, 1.0, 0, form->faster, m - of_c, c);
         if (of_f == of_c) EACH(l) out[l] = z[l];
-        else EACH(l) out[l] = f[l] + c[l] * (w->damper[l] * nu[l]);
+        else EACH(l) out[l] = f[l] + w->damper[l] * nu[l];
+        if (!form->more) return;
+        two_powers(z, 0.0, 0, form->faster, m - of_c, c);
+        EACH(l) out[l] += c[l] * (w->damper[l] * nu[l]);
     } else {
         int shared = of_c > 0 ? of_c : m;
         damped_force(form, w, z, nu, force);

@@ -52,7 +52,8 @@ static void power_value_lanes(const film_function *g, const double *restrict xi,
     double x[LANES], power[LANES] = {0.0};
     variable_lanes(g, xi, x);
     if (g->coefficient != 0.0) power_lanes_of(x, g->exponent, power);
-    EACH(l) out[l] = plain_part(g, x[l]) + g->coefficient * power[l];
+    EACH(l) out[l] = g->constant + g->slope * x[l] + g->coefficient * power[l];
+    for (int l = 0; l < LANES && g->square != 0.0; l++) out[l] += g->square * (x[l] * x[l]);
 }
 
 /* Two functions at once. */
@@ -80,7 +81,7 @@ static void piece_law_lanes(const film_piece *piece, const double *restrict xi, 
         }
         return;
     }
-    double x[LANES], power[LANES] = {0.0};
+    double x[LANES], power[LANES] = {0.0}, per = work_factor(g->exponent);
     EACH(l) {
         x[l] = xi[l] - g->origin;
         x[l] = x[l] > 0.0 ? x[l] : 0.0;
@@ -88,8 +89,13 @@ static void piece_law_lanes(const film_piece *piece, const double *restrict xi, 
     if (g->coefficient != 0.0) power_lanes_of(x, g->exponent, power);
     EACH(l) {
         double part = g->coefficient * power[l];
-        force[l] = plain_part(g, x[l]) + part;
-        work[l] = power_work(g, x[l], part) - piece->work_at_begin;
+        force[l] = g->constant + g->slope * x[l] + part;
+        work[l] = x[l] * (g->constant + 0.5 * g->slope * x[l] + part * per) - piece->work_at_begin;
+    }
+    if (g->square == 0.0) return;
+    EACH(l) {
+        force[l] += g->square * (x[l] * x[l]);
+        work[l] += g->square * (1.0 / 3) * (x[l] * x[l] * x[l]);
     }
 }
 
@@ -242,22 +248,22 @@ static void whole_lanes(const batch_job *j, int32_t stage, double *restrict whol
 /* The x at which the work of a rising power since x = 0 is `work`: steps of third order, from the x of the constant and the
  * linear part, of the square and of the power, whose inverses are summed as squares: at most 15 % off. Where the force begins below 0
  * (c < 0, s = 0), from beyond: by the x at which its mean is 0, x^q k/(q + 1) + c = 0, more than that of the power. */
-static void power_depth_lanes(const film_function *g, const double *restrict work, double *restrict x) {
+INLINED void power_depths(const film_function *g, int squared, const double *restrict work, double *restrict x) {
     double c = g->constant, s = g->slope, b = g->square, k = g->coefficient, q = g->exponent, per = work_factor(q);
     double power[LANES], inverse[LANES], moving[LANES];
     EACH(l) inverse[l] = (c + sqrt(c * c + 2.0 * s * work[l])) / (2.0 * work[l]);
-    if (b > 0.0) {
+    if (squared) {
         EACH(l) power[l] = work[l] * (3.0 / b);
         rough_power_lanes(power, -1.0 / 3, x);
         EACH(l) inverse[l] = sqrt(inverse[l] * inverse[l] + x[l] * x[l]);
     }
-    if (k == 0.0 && b == 0.0) {
+    if (k == 0.0 && !squared) {
         EACH(l) x[l] = 1.0 / inverse[l];
         return;
     }
     EACH(l) power[l] = work[l] * (1.0 / (k * per));
-    if (k > 0.0) rough_power_lanes(power, -per, x);
-    else memset(x, 0, LANES * sizeof *x);
+    if (k == 0.0) memset(x, 0, LANES * sizeof *x);
+    else rough_power_lanes(power, -per, x);
     double balance[LANES] = {0.0};
     if (c < 0.0) {
         EACH(l) power[l] = -c / (k * per);
@@ -271,13 +277,20 @@ static void power_depth_lanes(const film_function *g, const double *restrict wor
     for (int i = 0; i < DEPTH_STEPS && any(moving); i++) {
         power_lanes_of(x, q, power);
         EACH(l) {
-            double part = k * power[l], force = plain_part(g, x[l]) + part;
-            double per_work = 1.0 / (force * x[l]), missing = work[l] - power_work(g, x[l], part);
-            double e = missing * per_work, bend = ((s + 2.0 * b * x[l]) * x[l] + q * part) * x[l] * per_work;
+            double part = k * power[l], line = s * x[l], square = b * (x[l] * x[l]), force = c + line + part;
+            double mean = c + 0.5 * line + part * per, rise = line + q * part;
+            if (squared) force += square, mean += square * (1.0 / 3), rise += 2.0 * square;
+            double per_work = 1.0 / (force * x[l]), missing = work[l] - x[l] * mean;
+            double e = missing * per_work, bend = rise * x[l] * per_work;
             x[l] = moving[l] > 0.0 ? x[l] + x[l] * (e * (1.0 - 0.5 * bend * e)) : x[l];
             moving[l] = fabs(e) > 1e-6 ? moving[l] : 0.0;
         }
     }
+}
+
+static void power_depth_lanes(const film_function *g, const double *restrict work, double *restrict x) {
+    if (g->square > 0.0) power_depths(g, 1, work, x);
+    else power_depths(g, 0, work, x);
 }
 
 /* Depths that are sought between low and high, in lanes that are still moving. */

@@ -135,16 +135,20 @@ INLINED void product_term(double (*a)[LANES], double (*b)[LANES], int from, int 
 }
 
 static void whole_power(const double *restrict z, int e, double *restrict out) {
-    EACH(l) out[l] = 1.0;
-    for (int i = 0; i < e; i++) EACH(l) out[l] *= z[l];
+    EACH(l) out[l] = e > 0 ? z[l] : 1.0;
+    for (int i = 1; i < e; i++) EACH(l) out[l] *= z[l];
 }
 
 /* a z^e + b z^f, f >= e. */
 static void two_powers(const double *restrict z, double a, int e, double b, int f, double *restrict out) {
     double rest[LANES];
     whole_power(z, e, out);
-    if (b != 0.0) whole_power(z, f - e, rest);
-    EACH(l) out[l] *= b != 0.0 ? a + b * rest[l] : a;
+    if (b != 0.0) {
+        whole_power(z, f - e, rest);
+        EACH(l) out[l] *= a + b * rest[l];
+    } else if (a != 1.0) {
+        EACH(l) out[l] *= a;
+    }
 }
 
 #endif

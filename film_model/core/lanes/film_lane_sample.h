@@ -92,7 +92,8 @@ static void same_value_lanes(const film_function *g, const double *restrict xi, 
     variable_lanes(g, xi, z);
     if (g->form == FILM_POWER) {
         if (g->coefficient != 0.0) same_power_lanes(g->exponent, z, b1);
-        EACH(l) out[l] = plain_part(g, z[l]) + g->coefficient * b1[l];
+        EACH(l) out[l] = g->constant + g->slope * z[l] + g->coefficient * b1[l];
+        for (int l = 0; l < LANES && g->square != 0.0; l++) out[l] += g->square * (z[l] * z[l]);
         return;
     }
     for (int k = g->terms - 1; k > 0; k--) {

@@ -17,7 +17,7 @@ from film_model.effects.large_slope import COMPUTED
 from film_model.effects.trial import change
 from film_model.laws.tsuji import Tsuji
 from film_model.laws.yielding import yield_point, yield_velocity
-from film_model.problem.law_of_scene import ELASTIC, STEEP, YIELDING, can_yield, reaches_yield, yielding_entries
+from film_model.problem.law_of_scene import ELASTIC, YIELDING, can_yield, reaches_yield, yielding_entries
 from film_model.problem.problem import Problem
 from film_model.problem.relaxation import relaxation_of
 from film_model.problem.summary import differences
@@ -87,7 +87,7 @@ def served(scene: Scene, kind: Kind = "impact") -> Scene:
             scene = scene.replace({"contact.law": law.name, "contact.restitution": law.restitution})
         elif effects.plasticity is not False and known:
             scene = scene.replace(yielding_entries(scene))
-        elif law.name == STEEP[ELASTIC]:
+        elif law.steep:
             scene = scene.replace({"contact.law": law.name})
     gravity, motion = effects.gravity, effects.target_motion
     waves = effects.wave_losses is True or (effects.wave_losses == "auto" and _radiates(given))
@@ -128,7 +128,7 @@ def validity_of(scene: Scene) -> Validity:
     elastic, narrow, law = math.inf, math.inf, choice.problem.law
     if scene.effective_modulus is not None:
         # a² = R δ; of others (a/R)²/10 is the tolerance
-        most = COMPUTED**2 if law.name in STEEP.values() else 10.0 * scene.effect_tolerance
+        most = COMPUTED**2 if law.steep else 10.0 * scene.effect_tolerance
         narrow = most * scene.effective_radius
     if getattr(type(law), "family", "") in ("elastic", "damped") and reaches_yield(scene) is not None:
         assert scene.effective_modulus is not None and scene.yield_strength is not None

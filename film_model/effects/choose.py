@@ -132,7 +132,7 @@ class Choice:
     def _ending(self) -> Problem:
         """The impact without vibrations; without its weight, if that is small and keeps the impactor on the target."""
         tried = self.yielding if self.decided[2] else plasticity.elastic(self.yielding)
-        if self.problem.law.name in STEEP.values() and tried.law.name == ELASTIC:
+        if self.problem.law.steep and tried.law.name == ELASTIC:
             tried = tried.again(law=STEEP[ELASTIC])
         # an impactor that stays on the target has made an impact first where its weight is far below the largest force
         if tried.trial.ends or not 0.0 < tried.load < 0.1 * tried.trial.summary.maximum_force:

@@ -11,7 +11,7 @@ import numpy as np
 
 from film_model.base.arrays import Array, Mask
 from film_model.effects import wave_losses
-from film_model.problem.law_of_scene import STEEP, YIELDING, SceneLaw, laws_of
+from film_model.problem.law_of_scene import YIELDING, SceneLaw, laws_of
 from film_model.problem.problem import Impacts, Problem
 from film_model.scene import Scene
 from film_model.scene.columns import scene_of_columns
@@ -51,7 +51,7 @@ def decisions_of(problem: Problem) -> dict[Decision, Mask]:
     strength, slow = problem.impacts.law.strength, problem.impacts.scene.yield_strength
     hard = False if strength is None or slow is None else strength > slow
     static = problem.curve.native.compliance > 0.0
-    damps, steep = problem.law.damped and problem.scene.contact.law == "auto", problem.law.name in STEEP.values()
+    damps, steep = problem.law.damped and problem.scene.contact.law == "auto", problem.law.steep
     shape = np.shape(problem.approach) or (1,)
     moves = np.isfinite(problem.impedance) | static | problem.vibrates
     gravity, motion, harder = (np.broadcast_to(column, shape) for column in (problem.load > 0.0, moves, hard))

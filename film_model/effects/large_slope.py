@@ -30,11 +30,6 @@ COMPUTED = 0.5
 DEEPEST = 1.0
 """Indentation over the effective radius from which no contact law is valid: half of a ball is below the surface."""
 
-FORCE = 0.45
-"""Change of the largest force of an impact over c √(δ/R): 0.5 to first order; 0.36 to 0.46 by finite elements of a ball
-with its inertia."""
-
-
 def steep(problem: Problem) -> tuple[Problem, Any]:
     """Impacts with the slopes of their surfaces, and for which of them they are simulated; if for none, the impacts as
     they are."""
@@ -58,7 +53,15 @@ def change_of(scene: Scene, load: Any) -> Any:
         return None
     stiffness = hertz_stiffness(cast("float", scene.effective_modulus), scene.effective_radius)
     deepest = (2.5 * scene.kinetic_energy / stiffness) ** 0.4 + (2.5 * load / stiffness) ** (2.0 / 3.0)
-    return 0.5 * scene.slope_coefficient * (deepest / scene.effective_radius) ** 0.5
+    return _change(scene.slope_coefficient, deepest / scene.effective_radius)
+
+
+def _change(coefficient: Any, depth: Any) -> Any:
+    """The change of the largest force of an impact to first order. depth: of the indentation by Hertz's law, over R.
+
+    By finite elements of a ball with its inertia the factor is 0.36 to 0.46.
+    """
+    return 0.5 * coefficient * depth**0.5
 
 
 def judge(case: Case, rule: Rule) -> Effect:
@@ -78,7 +81,7 @@ def judge(case: Case, rule: Rule) -> Effect:
         why = f"the indentation is {case.indentation / radius:.3g} times the radius: no contact law is valid so deep"
         return rule.failing(why, case.contact_radius / radius, math.sqrt(DEEPEST))
     hertz = (case.force / hertz_stiffness(modulus, radius)) ** (2.0 / 3.0)  # elastic part of the indentation
-    size = FORCE * (BALL if coefficient is None else coefficient) * math.sqrt(hertz / radius) * hertz / case.indentation
+    size = _change(BALL if coefficient is None else coefficient, hertz / radius) * hertz / case.indentation
     value = case.contact_radius / radius
     threshold = case.tolerance * value / size if size > 0.0 else None
     why = f"the contact radius is {value:.2g} R: the force is about {100 * size:.2g} % off by Hertz's theory"
@@ -92,7 +95,7 @@ def judge(case: Case, rule: Rule) -> Effect:
 def settled(effect: Effect, problem: Problem) -> Effect:
     """The estimated effect with what was decided about it. problem: what is simulated."""
     scene, law = problem.scene, problem.law.name
-    if law in STEEP.values():
+    if problem.law.steep:
         return effect._replace(state=SIMULATED, threshold=None, reason=f"{effect.reason}: law {law}", cost=FREE)
     if effect.change is None:
         return effect

@@ -27,6 +27,7 @@ class DampedLargeSlope(Tsuji):
     source: ClassVar[str] = "large-slope and tsuji"
     validity: ClassVar[str] = "√(δ/R) up to about 0.5"
     widening: ClassVar[float] = 1.0
+    steep: ClassVar[bool] = True
 
     slope_coefficient: float = BALL
 

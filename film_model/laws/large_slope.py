@@ -39,6 +39,7 @@ class LargeSlope(AbstractLaw):
     source: ClassVar[str] = "first-order fit to axisymmetric finite elements made for this package"
     validity: ClassVar[str] = "√(δ/R) up to about 0.5, no yield"
     widening: ClassVar[float] = 1.0
+    steep: ClassVar[bool] = True
 
     effective_modulus: float
     radius: float

@@ -189,7 +189,7 @@ class AbstractLaw(ABC):
     unloading rule (:mod:`film_model.laws.unloading`) for a law without one. damped: the stage of the law has damping.
     shaped_by: fields that enter the stages through `shape` only. shaped_beside: up to three more fields on which
     the functions and the end of the last stage depend smoothly, and the ends of their ranges. widening: a²/(R δ) of a
-    contact of radius a that is not Hertz's; 0: that of law elastoplastic.
+    contact of radius a that is not Hertz's; 0: that of law elastoplastic. steep: the force is that of steep surfaces.
     """
 
     name: ClassVar[str]
@@ -200,6 +200,7 @@ class AbstractLaw(ABC):
     parameters: ClassVar[Mapping[str, Parameter]] = {}
     default_unloading: ClassVar[str | None] = None
     damped: ClassVar[bool] = False
+    steep: ClassVar[bool] = False
     widening: ClassVar[float] = 0.0
     shaped_by: ClassVar[tuple[str, ...]] = ()
     shaped_beside: ClassVar[Mapping[str, tuple[float, float]]] = {}

@@ -59,6 +59,8 @@ def test_the_iteration_converges(coefficient, velocity):
 
 def test_an_iteration_that_does_not_settle_is_unknown():
     assert math.isnan(settled(lambda factor: math.e**3 if factor < 2.0 else 1.0, RateHardening(1.0, 0.0, 1.0)))
+    for of in (math.exp, lambda factor: np.exp(np.array([factor, factor]).max(axis=0))):  # the slope is 1
+        assert np.isnan(settled(of, RateHardening(1.0, 0.0, 1.0))).all()
 
 
 def test_a_rise_is_simulated_however_small_so_that_restitution_has_no_step():

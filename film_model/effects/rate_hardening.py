@@ -76,7 +76,7 @@ def settled(rate_of: Callable[[Any], Any], law: RateHardening, factor: Any = 1.0
             return factor
         found = law.factor(rate_of(factor))
         slope = ratio(found - value, factor - before)
-        step = (found - factor) / (1.0 - slope)
+        step = ratio(found - factor, 1.0 - slope)
         before, value, factor = factor, found, either(open_, factor + step, factor)
         open_ = open_ & (abs(step) * greater(abs(slope), LEAST_SLOPE) > SETTLED * factor)
     return either(open_, math.nan, factor)

@@ -132,6 +132,16 @@ def test_a_law_without_losses_never_comes_to_rest():
     assert dented.bounces[1].restitution == pytest.approx(1.0, abs=1e-9)
 
 
+def test_a_force_that_returns_while_the_ball_rises_is_no_other_contact():
+    """It still is in the dent of a contact whose force fell to 0 on the way out."""
+    soft = {"youngs_modulus": "5 MPa", "poissons_ratio": 0.49, "density": "1100 kg/m^3"}
+    ball, contact = fm.Sphere("10 mm", "0.5 m/s", material=soft), fm.Contact("kuwabara-kono", dissipation_time="140 us")
+    bounces = fm.bounce(fm.Scene(ball, fm.HalfSpace("mild steel"), contact))
+    assert (np.diff(bounces.velocity_before.m) < 0.0).all() and bounces.velocity_before.m[-1] > 0.01
+    assert "stays on the target from contact 10 on" in bounces.outcome  # an eleventh began at -1.7 mm/s
+    assert bounces.rest_time == bounces.time.m[-1] and bounces.bounces[-1].contact_duration is None
+
+
 def test_adhesion_holds_the_ball():
     glass = fm.HalfSpace("glass")
     law = fm.Contact("jkr", work_of_adhesion="0.1 J/m^2")

@@ -181,6 +181,15 @@ def _doubts_of_friction(choice: Choice) -> tuple[str, ...]:
     return () if oblique is None else oblique.warnings(choice.scene.solver.accuracy)
 
 
+def _whole(first: Bounce, last: Bounce) -> Bounce:
+    """One contact whose force was 0 for a while: the force of a damped law returns before the ball is out of its dent,
+    while it still rises."""
+    lasted = None if last.contact_duration is None else last.time + last.contact_duration - first.time
+    most = max(first.maximum_force, last.maximum_force)
+    own = {"time": first.time, "velocity_before": first.velocity_before}
+    return last._replace(**own, maximum_force=most, contact_duration=lasted)
+
+
 class _Series:
     """The bounces of a component, one after the other. least: height that is rest, m."""
 
@@ -209,6 +218,8 @@ class _Series:
                     raise
                 outcome = f"followed up to bounce {len(self._found)}: {error}"
                 return outcome, False, (outcome,)
+            if last.velocity_before < 0.0 and not self._vibrates:
+                last = _whole(self._found.pop(), last)
             self._found.append(last)
             count, at = len(self._found), format_si(last.time, "time", 5)
             if last.contact_duration is None:

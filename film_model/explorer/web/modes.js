@@ -199,6 +199,11 @@ function stepShare(problem, outcome) {
   return rate > 0 ? Math.min(1, (rule.impulses * outcome.core.maximum_force) / (rate * Math.max(p.approach, rule.slowest))) : 1;
 }
 
+/** Compliance of the contact, m/N. @param {any} p @param {any} core */
+function softness({ length, force }, { maximum_indentation: indentation, maximum_force: most }) {
+  return most > 0 ? ((indentation / most) * length) / force : 0;
+}
+
 /** @param {number} accuracy @param {any} outcome */
 function unreached(accuracy, outcome) {
   return `accuracy ${accuracy} is not reached with the ${outcome.structure.count} natural vibrations here`;
@@ -209,8 +214,7 @@ function unreached(accuracy, outcome) {
  * @param {Scene} scene @param {Problem} problem @param {any} coarse the run before the last @param {number} accuracy @param {number} limit
  */
 function errorOfCompliance(scene, problem, { core, highest, tolerance, structure: { omitted, error } }, accuracy, limit) {
-  const soft = core.maximum_force > 0 ? ((core.maximum_indentation / core.maximum_force) * problem.p.length) / problem.p.force : 0;
-  if (error <= DATA.constants.vibration.negligible * accuracy * (soft + omitted)) return 0;
+  if (error <= DATA.constants.vibration.negligible * accuracy * (softness(problem.p, core) + omitted)) return 0;
   return Math.max(...Object.values(differencesOf(problem, core, followed(scene, problem, highest, tolerance, limit, error).core)));
 }
 
@@ -282,9 +286,11 @@ function vibrate(scene, problem) {
     const known = before;
     const [factor, fall] = p.damping > 0 ? [rule.damped_factor, rule.damped_fall] : [rule.modes_factor, rule.modes_fall];
     const errors = Object.entries(changes).map(([name, change]) => factor * Math.max(change, known[name] / fall) + tolerance);
+    const little = fine.structure.omitted < rule.little * softness(p, fine.core) && fine.structure.count === coarse.structure.count;
+    const stalled = rattles && little && error !== null && Math.max(...errors) > rule.stalled * error;
     error = Math.max(...errors);
     if (error > accuracy && 2 * highest > support.highest) refuse();
-    if (error <= accuracy || last) {
+    if (error <= accuracy || last || stalled) {
       const own = errorOfCompliance(scene, problem, coarse, accuracy, limit) + errorOfMembrane(scene, problem, fine, limit);
       if (own > 0) fine = follow(fine.tolerance);
       return { ...fine, error: error + own, warning: error + own <= accuracy ? "" : unreached(accuracy, fine) };

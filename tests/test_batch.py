@@ -4,7 +4,10 @@ import math
 import re
 import runpy
 import threading
+from collections.abc import Callable
+from dataclasses import dataclass
 from pathlib import Path
+from typing import ClassVar
 
 import numpy as np
 import pytest
@@ -83,11 +86,6 @@ def test_invalid_batch_arguments_are_refused(arguments, error, says):
 def test_a_ball_slower_than_the_free_body_is_refused():
     with pytest.raises(ValueError, match=r"^velocity: 0\.1 m/s must be > 0\.1 m/s, the target's$"):
         fm.simulate_batch(scene("hertz", "body"), velocity=["1 m/s", "0.1 m/s"])
-
-
-def within(law):
-    """By what to divide velocities so that a law of large slope does not end before the turn."""
-    return 20.0 if law.endswith("large-slope") else 1.0
 
 
 def starts(nu, gamma):
@@ -175,7 +173,7 @@ def test_quadrature_on_a_half_space_converges_to_the_march(law):
     """Error over segments, against 500 lines a leg: geometric until rounding, of rows and of one impact. All but times
     need no quadrature."""
     rng = np.random.default_rng(3)
-    start = starts(np.exp(rng.uniform(-1.5, 3, 40)) / within(law), 0.0)
+    start = starts(np.exp(rng.uniform(-1.5, 3, 40)), 0.0)
     curve = curve_of(LAWS[law]).native
     expected, one = alone(curve, native.mesh(native.WORK_PRESERVING, 500, 500), start)
     done = expected == native.EVENT
@@ -187,7 +185,40 @@ def test_quadrature_on_a_half_space_converges_to_the_march(law):
             assert np.array_equal(status, expected)
             assert np.array_equal(found["stage"][done], one["stage"][done])
             assert off.max() <= error, segments
-            assert off[[name not in TIMES for name in VALUES]].max() <= 2e-14
+            assert off[[name not in TIMES for name in VALUES]].max() <= 1e-14
+
+
+@dataclass(frozen=True)
+class Own(fm.AbstractLaw):
+    """One reversible stage."""
+
+    force: fm.Power | Callable
+    end: float
+    name: ClassVar[str] = "own"
+
+    def scales(self, energy):
+        return 1.0, 1.0
+
+    def stages(self):
+        return (fm.Stage("own", 0.0, self.end, self.force, root=True),)
+
+
+@pytest.mark.parametrize("terms", [(0.0, 1.0, 0.0), (0.3, 0.5, 0.0), (0.0, 1.0, 1.0), (0.4, 0.3, 0.2)])
+@pytest.mark.parametrize("gamma", [0.0, 0.4])
+def test_a_power_with_a_square_equals_its_series(terms, gamma):
+    """Alone and in series with a spring, in rows and along lines."""
+    slope, square, coefficient = terms
+    power = fm.Power(slope=slope, coefficient=coefficient, square=square)
+    start, mesh = starts(np.geomspace(0.01, 5.0, 40), gamma), native.mesh(native.WORK_PRESERVING, 80, 80)
+    for compliance in (0.0, 0.7):
+        exact, fitted = (curve_of(law, compliance).native for law in (Own(power, math.inf), Own(power.at, 20.0)))
+        assert exact.piece[0].force.form == native.POWER != fitted.piece[0].force.form
+        for function in (native.impact, native.marched):
+            (status, found), (expected, truth) = (alone(curve, mesh, start, function) for curve in (exact, fitted))
+            assert (status == native.EVENT).all() and (expected == native.EVENT).all()
+            assert differences(found, truth, start).max() < 1e-8
+        status, rows = native.batch(exact, mesh, start)
+        assert differences(rows, alone(exact, mesh, start, native.impact)[1], start).max() < 1e-12
 
 
 def test_an_elastic_stage_on_a_half_space_needs_no_quadrature():
@@ -444,20 +475,20 @@ def test_samples_of_many_contacts_are_those_of_each_to_the_last_bit(monkeypatch,
 @pytest.mark.parametrize("load", [0.0, 0.01])
 @pytest.mark.parametrize("law", DAMPED)
 def test_damped_contacts_in_lanes_agree_with_the_march(law, load):
-    """Over damping and target motion; errors fall fast with the segments, of a fitted law as the fourth power."""
+    """Over damping and target motion; errors fall fast with the segments."""
     damping, gamma = (axis.ravel() for axis in np.meshgrid(np.geomspace(0.01, 2.0, 6), [0.0, 0.05, 0.3, 1.0]))
-    start = starts(np.full(damping.size, 1.4 / within(law)), gamma)
-    start["damping"], start["load"], start["time_limit"] = damping, load / within(law), 1e3
+    start = starts(np.full(damping.size, 1.4), gamma)
+    start["damping"], start["load"], start["time_limit"] = damping, load, 1e3
+    if law == "damped-large-slope":  # whose dashpot is the strongest so deep: the whole load keeps a contact closed
+        start["load"] *= 0.1
     curve = curve_of(LAWS[law]).native
     _, truth = alone(curve, native.mesh(native.WORK_PRESERVING, 600, 600), start)
-    fitted = law == "damped-large-slope"
-    meshes = [native.mesh(native.WORK_PRESERVING, n, n) for n in ((40, 80, 160) if fitted else (5, 10, 20))]
+    meshes = [native.mesh(native.WORK_PRESERVING, n, n) for n in (5, 10, 20)]
     coarse, middle, fine = (native.batch(curve, mesh, start)[1] for mesh in meshes)
     assert (native.batch(curve, meshes[0], start)[0] == native.EVENT).all()
     assert differences(middle, truth, start).max() < 1e-5
     assert differences(fine, truth, start).max() < 5e-8
-    falls = 0.2 if fitted else 0.1
-    assert (differences(middle, fine, start) <= falls * differences(coarse, fine, start) + 1e-11).all()
+    assert (differences(middle, fine, start) <= 0.1 * differences(coarse, fine, start) + 1e-11).all()
 
 
 def test_a_linear_dashpot_is_exact_in_a_batch():

@@ -102,7 +102,7 @@ def integrated(law, velocity, impedance=math.inf, load=0.0, after=0.0):
 
 
 @pytest.mark.slow
-@combinations(law=[law for law in DAMPED if law != "damped-large-slope"], target=["half-space", "plate"], fast=1)
+@combinations(law=DAMPED, target=["half-space", "plate"], fast=1)
 def test_high_precision_integrates_damped_laws(law, target):
     on = case(LAWS[law], target=target)
     impedance = on.target_impedance
@@ -111,7 +111,8 @@ def test_high_precision_integrates_damped_laws(law, target):
     for name in ("maximum_force", "maximum_indentation", "contact_duration", "rebound_velocity"):
         assert found[name] == pytest.approx(other[name], rel=1e-7), name
     if target == "half-space" and getattr(LAWS[law], "restitution", None) is not None:
-        assert found["coefficient_of_restitution"] == pytest.approx(LAWS[law].restitution, rel=1e-14)
+        rel = 0.02 if law == "damped-large-slope" else 1e-14
+        assert found["coefficient_of_restitution"] == pytest.approx(LAWS[law].restitution, rel=rel)
 
 
 @pytest.mark.parametrize("target", ["half-space", "plate", "thin plate"])

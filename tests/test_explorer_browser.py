@@ -65,11 +65,7 @@ omitted modes are one stiff mode more, the ball rattles on the few modes of a st
 
 FEW_ROUGH = 0.001
 """At most so many of the random scenes may differ by more than rounding explains, up to `ON_MODES`: a march under a
-damped law may end a line elsewhere; or on modes by up to twice both errors, where a ball rattles on a few of them."""
-
-
-OF_FITTED = 0.1
-"""The same for a damped law that is fitted, over the accuracy: its lines end where a search does."""
+damped law may end a line elsewhere."""
 
 
 @pytest.fixture(scope="module")
@@ -180,7 +176,7 @@ def test_random_scenes_equal_python(shown, everything, seed):
                 unsure.append(fragment)
     assert len(rough) <= FEW_ROUGH * len(addresses), rough
     assert len(unsure) <= FEW_UNSURE * len(addresses), unsure
-    assert compared.total() > 0.75 * len(addresses)  # deep impacts pass the end of laws of large slope
+    assert compared.total() > 0.85 * len(addresses)
     assert compared.keys() == {law["name"] for law in table["laws"]}
 
 
@@ -199,16 +195,10 @@ def check(history, factor, found, fragment, rough=None):
     if found["modes"]:
         reached = not any("is not reached" in text for text in found["warnings"])
         same = reached and found["modes"] == history.accuracy.modes
-        same = same and history.accuracy.estimated <= history.accuracy.requested  # Python ends elsewhere otherwise
         allowed = ON_MODES if same else found["error"] + history.accuracy.estimated
-        if worst > allowed and not same and rough is not None:
-            rough.append(fragment)
-            allowed *= 2.0
     else:
         same = found["segments"] == history.accuracy.lines and history.outcome is fm.Outcome.SEPARATED
         allowed = SAME + 4.0 * history.problem.curve.fit_error  # the page fits a law with a shape itself: two fits
-        if history.problem.law.name == "damped-large-slope":
-            allowed += OF_FITTED * (history.accuracy.requested or 1.0)
         if history.problem.compliance and getattr(history.scene.target, "edges", None) != "simply supported":
             allowed += ON_RITZ
         if worst > allowed:
@@ -227,9 +217,7 @@ def check(history, factor, found, fragment, rough=None):
     if worst <= ON_MODES:
         same_intervals(history, found["intervals"], fragment)
         if history.oblique is not None or found["oblique"] is not None:
-            along = ALONG + 1e3 * worst
-            if not same:
-                along = max(allowed, along) + (history.oblique.estimated if history.oblique else 0.0)
+            along = ALONG + 1e3 * worst if same else max(allowed, ALONG + 1e3 * worst)
             assert oblique_off(history, found) <= along, fragment
     return unsure
 
@@ -238,13 +226,9 @@ def oblique_off(history, found):
     """The largest difference of the motion along the surface, over the speeds before; of other values, relative."""
     ours, summary = history.oblique, found["oblique"]["summary"]
     assert found["oblique"]["sliding_regime"] == ours.sliding_regime
-    if history.problem.law.name != "damped-large-slope":  # its motion differs by `OF_FITTED`: so may short phases
-        most = 20 if history.accuracy.modes else None  # contacts that follow amplify differences
-        names = [event["name"] for event in found["oblique"]["events"]][:most]
-        assert names == [name for _, name in ours.events][:most], history.scene
-        times = [event["time"] for event in found["oblique"]["events"]][:most]
-        expected = [time for time, _ in ours.events][:most]
-        assert times == pytest.approx(expected, rel=1e-6, abs=1e-6 * history.duration)
+    assert [event["name"] for event in found["oblique"]["events"]] == [name for _, name in ours.events]
+    times = [event["time"] for event in found["oblique"]["events"]]
+    assert times == pytest.approx([time for time, _ in ours.events], rel=1e-6, abs=1e-6 * history.duration)
     ball, before = history.scene.impactor, ours.motion["sliding_velocity"][0]
     least = {"rebound_spin": abs(before) / ball.radius, "friction_work": ours.summary["tangential_impulse"] * before}
     least |= {name: abs(before) for name in ("tangential_rebound_velocity", "contact_point_rebound_velocity")}

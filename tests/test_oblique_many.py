@@ -131,7 +131,9 @@ def test_springs_beside_curves_of_their_own_have_the_results_of_single_impacts(d
         error = (one.estimated + many.oblique.estimated[row]) * one.motion["sliding_velocity"][0]
         after = one.summary["contact_point_rebound_velocity"]
         found = many.oblique.summary["contact_point_rebound_velocity"][row]
-        assert found == pytest.approx(after, rel=0.0, abs=error) and many.oblique.estimated[row] < 1.1e-3
+        assert found == pytest.approx(after, rel=0.0, abs=error)
+        # springs are refined to 1e-3 where a law yields; of the normal force's error of up to 1e-4 twice comes on top
+        assert many.oblique.estimated[row] < 1.2e-3
 
 
 def test_friction_that_is_not_known_is_refused_in_a_batch():

@@ -116,10 +116,10 @@ def _address(table, base, chance, as_given):
     for entry in law["live"]:
         if not as_given and chance.random() < 0.7:
             found[entry["path"]] = _between(*entry["slider"], entry["slider"][0] > 0.0, chance)
-    for switch in SWITCHES[:-1]:
-        automatic = (
-            98 if switch == "rate_hardening" else 3
-        )  # most scenes refuse it, as their materials have no rate law
+    for switch in SWITCHES:
+        if switch == "wave_losses":
+            continue
+        automatic = 98 if switch == "rate_hardening" else 3  # most scenes refuse it: their materials have no rate law
         found[switch] = chance.choice([*["auto"] * automatic, "true", "false"])
     sides = {} if as_given or not base["plate"] else _sides(base, random.Random(urlencode(found)))
     found |= sides
@@ -128,7 +128,7 @@ def _address(table, base, chance, as_given):
     if chance.random() < 0.2:
         found |= {"linearisation": "chord", "accuracy": "0.001"}
     asked = ["true"] if base["kind"] == "half-space" else []  # other targets refuse it
-    found[SWITCHES[-1]] = random.Random(urlencode(found)).choice(["auto", "auto", "auto", "false", *asked])
+    found["wave_losses"] = random.Random(urlencode(found)).choice(["auto", "auto", "auto", "false", *asked])
     return urlencode(found)
 
 

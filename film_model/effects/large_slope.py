@@ -30,6 +30,7 @@ COMPUTED = 0.5
 DEEPEST = 1.0
 """Indentation over the effective radius from which no contact law is valid: half of a ball is below the surface."""
 
+
 def steep(problem: Problem) -> tuple[Problem, Any]:
     """Impacts with the slopes of their surfaces, and for which of them they are simulated; if for none, the impacts as
     they are."""

@@ -125,8 +125,8 @@ def constants() -> dict[str, Any]:
     """The numbers of :mod:`film_model.solve.vibration` and :mod:`film_model.solve.structures`."""
     names = (
         *("FIRST_PHASE", "DAMPED_FACTOR", "DAMPED_FALL", "MEMBRANE_FACTOR", "MODES_FACTOR", "MODES_FALL", "FOLLOWED"),
-        *("HIGHEST", "IMPULSES", "LITTLE", "LONGEST", "NEGLIGIBLE", "REFINED", "SLOWEST", "STALLED", "STEP", "TIGHTEST"),
-        "UNRESOLVED",
+        *("HIGHEST", "IMPULSES", "LITTLE", "LONGEST", "NEGLIGIBLE", "REFINED", "SLOWEST", "STALLED", "STEP"),
+        *("TIGHTEST", "UNRESOLVED"),
     )
     return numbers_of(vibration, names) | {
         "above": structures.ABOVE,

@@ -33,7 +33,7 @@ FAMILIES: dict[Family, str] = {
 
 @dataclass(frozen=True)
 class Power:
-    """f(ξ) = constant + slope·x + square·x² + coefficient·x^exponent with x = ξ − origin; the core evaluates it exactly.
+    """f(ξ) = constant + slope·x + square·x² + coefficient·x^exponent, x = ξ − origin; the core evaluates it exactly.
 
     `origin` defaults to the beginning of the stage the function belongs to.
     """

@@ -81,9 +81,7 @@ def _one(numba: Any, stage: Stage, function: Any) -> Any:
         return numba.njit(
             lambda x: c0 + c1 * (x - origin) + c2 * max(x - origin, 0.0) * math.sqrt(max(x - origin, 0.0))
         )
-    return numba.njit(
-        lambda x: c0 + (c1 + square * (x - origin)) * (x - origin) + c2 * max(x - origin, 0.0) ** q
-    )
+    return numba.njit(lambda x: c0 + (c1 + square * (x - origin)) * (x - origin) + c2 * max(x - origin, 0.0) ** q)
 
 
 def _chained(numba: Any, k: int, own: Any, others: Any) -> Any:

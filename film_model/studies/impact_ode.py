@@ -138,8 +138,8 @@ class Impact:
         damping = _own_power(stage.damping, stage)
         if run.power is None or damping is None:
             raise ValueError(f"stage {stage.name!r} has damping that is not a power")
-        damper = self.damper
-        scaled = replace(damping, **{n: damper * getattr(damping, n) for n in ("constant", "slope", "square", "coefficient")})
+        names = ("constant", "slope", "square", "coefficient")
+        scaled = replace(damping, **{name: self.damper * getattr(damping, name) for name in names})
         return run._replace(damping=scalar(scaled, stage), slopes=(_slope(run.power), _slope(scaled)))
 
 

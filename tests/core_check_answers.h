@@ -147,6 +147,7 @@ static void check_bad_curves(void) {
         if (which != SERIES) {
             REFUSED(bad.piece[0].force.constant = NAN);
             REFUSED(bad.piece[0].force.slope = INFINITY);
+            REFUSED(bad.piece[0].force.square = NAN);
             REFUSED(bad.piece[0].force.coefficient = -INFINITY);
             REFUSED(bad.piece[0].force.exponent = 0.0);
             REFUSED(bad.piece[0].force.exponent = -1.5);

@@ -39,8 +39,8 @@ static film_curve curve;
 static double none, idle; /* what rounding makes of a force of 0, and of no work */
 
 static void tell(const char *name, const film_function *g) {
-    fprintf(stderr, "      %s: form %d, origin %.17g, %.17g + %.17g x + %.17g x^%.17g", name, (int)g->form, g->origin, g->constant, g->slope,
-            g->coefficient, g->exponent);
+    fprintf(stderr, "      %s: form %d, origin %.17g, %.17g + %.17g x + %.17g x^2 + %.17g x^%.17g", name, (int)g->form, g->origin, g->constant,
+            g->slope, g->square, g->coefficient, g->exponent);
     for (int k = 0; k < g->terms; k++) fprintf(stderr, "%s %.17g", k ? "," : "; series", g->series[k]);
     fprintf(stderr, "\n");
 }
@@ -166,7 +166,9 @@ static void any_piece(film_piece *piece, double begin, double end, double before
         if (whole(0, 3) == 0 && end < INFINITY) slope = -0.9 * fraction() * start / span; /* it softens */
         if (!(slope > 0.0) && !(rise > 0.0) && !(end < INFINITY)) slope = size;
         piece->force = power(origin, 0.0, slope, rise * pow(span + begin - origin, -q), q);
-        double x = begin - origin, there = slope * x + (rise > 0.0 ? piece->force.coefficient * pow(x, q) : 0.0);
+        double x = begin - origin, square = slope < 0.0 || whole(0, 5) ? 0.0 : size * decades(1e-6, 1e2) / (span * span);
+        piece->force.square = square;
+        double there = (slope + square * x) * x + (rise > 0.0 ? piece->force.coefficient * pow(x, q) : 0.0);
         piece->force.constant = start - there;
         if (slope < 0.0 && piece->force.constant + slope * (span + x) < 0.0) {
             piece->force.slope = 0.0;
@@ -175,7 +177,7 @@ static void any_piece(film_piece *piece, double begin, double end, double before
         if (!isfinite(piece->force.coefficient) || !isfinite(piece->force.constant)) piece->force = power(begin, start, size, 0.0, 1.0);
         const film_function *f = &piece->force;
         x = begin - f->origin;
-        piece->work_at_begin = x > 0.0 ? x * (f->constant + 0.5 * f->slope * x + f->coefficient * pow(x, f->exponent) / (f->exponent + 1.0)) : 0.0;
+        piece->work_at_begin = x > 0.0 ? x * (f->constant + (0.5 * f->slope + f->square / 3.0 * x) * x + f->coefficient * pow(x, f->exponent) / (f->exponent + 1.0)) : 0.0;
     } else {
         piece->force = any_series(begin, end, size);
         if (inner) piece->force.form = FILM_SERIES;

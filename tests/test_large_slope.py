@@ -176,6 +176,13 @@ def test_a_static_law_would_raise_the_force_of_an_impact_too_much():
     assert lasting / (4.0 / wave) == pytest.approx(2.2, abs=0.05)
 
 
+@pytest.mark.parametrize("slope", [0.02, 0.13, 0.27, 0.5])
+def test_the_change_that_is_judged_is_that_of_the_law(slope):
+    steep, hertz = (fm.simulate(struck(slope, large)) for large in (True, False))
+    change = next(effect.change for effect in hertz.effects if effect.name == "small_slope")
+    assert change == pytest.approx(steep.maximum_force.m / hertz.maximum_force.m - 1, rel=0.025)
+
+
 def test_each_body_counts_by_its_share_of_the_compliance():
     soft = {"youngs_modulus": "5 MPa", "poissons_ratio": 0.3, "density": "1000 kg/m^3"}
     hard = soft | {"youngs_modulus": "9e4 GPa"}

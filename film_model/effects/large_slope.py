@@ -48,7 +48,7 @@ def steep(problem: Problem) -> tuple[Problem, Any]:
 
 
 def change_of(scene: Scene, load: Any) -> Any:
-    """The change of the largest force by the slopes, to first order and at most: the target does not move, and its
+    """The change of the largest force by the slopes, at most: the target does not move, and its
     indentation is the sum of those by the energy alone and by the load [N] alone. None if it is unknown."""
     if scene.slope_coefficient is None:
         return None
@@ -58,11 +58,9 @@ def change_of(scene: Scene, load: Any) -> Any:
 
 
 def _change(coefficient: Any, depth: Any) -> Any:
-    """The change of the largest force of an impact to first order. depth: of the indentation by Hertz's law, over R.
-
-    By finite elements of a ball with its inertia the factor is 0.36 to 0.46.
-    """
-    return 0.5 * coefficient * depth**0.5
+    """The change of the largest force of an impact by law large-slope, to second order. depth: by Hertz's law, over R."""
+    steepness = coefficient * depth**0.5
+    return steepness / (2.0 + steepness)
 
 
 def judge(case: Case, rule: Rule) -> Effect:

@@ -64,6 +64,23 @@ def compare(start: Any, a: Any, b: Any) -> Any:
     return off
 
 
+_FOUR = c.c_double * 4
+
+
+def change(full: tuple[Any, Any, Any], without: tuple[Any, Any, Any], units: tuple[Any, Any, Any, Any]) -> Any:
+    """Largest change of each contact's results by neglecting an effect: see film_solve.h. full, without: statuses,
+    starts and summaries with it and without. units: of the march without over those of that with it."""
+    if isinstance(full[2], Summary):
+        found, trials = c.c_double(), [(c.byref(c.c_int32(s)), c.byref(p), c.byref(a)) for s, p, a in (full, without)]
+        library().film_change(1, *trials[0], *trials[1], _FOUR(*units), c.byref(found))
+        return found.value
+    kinds = np.int32, START_DTYPE, SUMMARY_DTYPE
+    tables = [np.ascontiguousarray(*pair) for trial in (full, without) for pair in zip(trial, kinds, strict=True)]
+    scale, off = np.stack(np.broadcast_arrays(*units), axis=-1), np.empty(len(full[1]))
+    library().film_change(off.size, *(table.ctypes.data for table in (*tables, scale)), at(off))
+    return off
+
+
 def rounding(curve: Curve, start: Any, summary: Any, clearance: float) -> Any:
     """How much rounding may change each summary, relative as in `compare`; clearance: where the law's force begins."""
     if isinstance(summary, Summary):

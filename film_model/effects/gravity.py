@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from typing import Any
 
 from film_model.base.arrays import any_of, either, unwarned
@@ -45,14 +46,23 @@ def needed(light: Problem) -> Any:
 
 def size_of(light: Problem, pressed: Problem | None = None) -> tuple[Any, Problem | None]:
     """Change of the summary by the weight (nan if contact without it does not end); the problem with it, if marched."""
+
+    def marched() -> Any:
+        nonlocal pressed
+        pressed = light.again(load=light.impacts.numbers.weight) if pressed is None else pressed
+        return change(pressed, light)
+
+    return sized(light, marched), pressed
+
+
+def sized(light: Problem, marched: Callable[[], Any]) -> Any:
+    """The same by the first-order estimate up to 0.3 of the tolerance; beyond it, from marches."""
     ends = light.trial.ends
-    guess = _estimate_for(light, ends)
-    # the first-order estimate decides up to 0.3 of the tolerance; beyond it, the impact is marched
-    doubtful = guess > 0.3 * light.scene.effect_tolerance
-    if not any_of(doubtful & ends):
-        return either(ends, guess, math.nan), pressed
-    pressed = light.again(load=light.impacts.numbers.weight) if pressed is None else pressed
-    return either(ends, either(doubtful, change(pressed, light), guess), math.nan), pressed
+    size = _estimate_for(light, ends)
+    doubtful = size > 0.3 * light.scene.effect_tolerance
+    if any_of(doubtful & ends):
+        size = either(doubtful, marched(), size)
+    return either(ends, size, math.nan)
 
 
 def _estimate_for(light: Problem, ends: Any) -> Any:

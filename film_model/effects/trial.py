@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from functools import reduce
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from film_model.base.arrays import Index, Mask, all_of, any_of, either, greater, ratio
+from film_model.base.arrays import Index, Mask, ratio
+from film_model.core import solving
 from film_model.problem.problem import Problem
-from film_model.problem.summary import radiated
+from film_model.problem.summary import core_of
 
 LEVELS = ((1.1, 2.0, 2.0), (1.01, 1.2, 1.1), (1.001, 1.05, 1.01))
 """Cells of similar impacts, three sizes. Each: the ratio that a cell spans in velocity, target compliance and damping;
@@ -27,43 +27,12 @@ def change(full: Problem, without: Problem) -> Any:
     """Largest relative difference of two summaries; nan if one march failed, 1 if contact ends in only one of them.
 
     Force, maximum indentation and times are relative to the values of `full`, permanent indentations to its maximum
-    indentation, velocities to the approach velocity, energies to the impact energy.
+    indentation, velocities to the approach velocity, energies to the impact energy: film_change in film_solve.h.
     """
-    (status, a), (other, b), p, q = full.trial, without.trial, full.scales, without.scales
-    length, force, time = q.length / p.length, q.force / p.force, q.time / p.time
-    speed, energy, depth = q.velocity / p.velocity, length * force, a.maximum_indentation
-    off = greater(
-        greater(_relative(b.maximum_force * force, a.maximum_force), _relative(b.maximum_indentation * length, depth)),
-        _relative(b.time_of_maximum_indentation * time, a.time_of_maximum_indentation),
-    )
-    ends, other_ends = full.trial.ends, without.trial.ends
-    if any_of(ends & other_ends):
-        impact = 0.5 * full.approach**2
-        whole = [
-            _relative(b.contact_duration * time, a.contact_duration),
-            ratio(abs(b.permanent_indentation * length - a.permanent_indentation), depth),
-            ratio(abs(b.final_velocity * speed - a.final_velocity), full.approach),
-            ratio(abs(b.work * energy - a.work), impact),
-        ]
-        moves = (full.gamma > 0.0) | (without.gamma > 0.0)
-        if any_of(moves):
-            share = ratio(abs(radiated(without, b) * energy - radiated(full, a)), impact)
-            whole.append(either(moves, share, 0.0))
-        off = either(ends, reduce(greater, whole, off), off)
-    off = either(ends == other_ends, off, 1.0)
-    return either((status < 0) | (other < 0), math.nan, off)
-
-
-def _relative(value: Any, to: Any) -> Any:
-    """Relative difference; 1 if only one of the two values exists."""
-    if isinstance(to, np.ndarray):
-        known = (to > 0.0) & (value >= 0.0)
-        if all_of(known):  # then equal values have the difference 0
-            return np.abs(value / to - 1.0)
-        return np.where(value == to, 0.0, np.where(known, np.abs(value / np.where(known, to, 1.0) - 1.0), 1.0))
-    if value == to:
-        return 0.0
-    return abs(value / to - 1.0) if to > 0.0 and value >= 0.0 else 1.0
+    p, q = full.scales, without.scales
+    units = q.length / p.length, q.force / p.force, q.time / p.time, q.velocity / p.velocity
+    tried = ((each.trial.status, each.start, core_of(each.trial.summary)) for each in (full, without))
+    return solving.change(*tried, units)
 
 
 def few(problem: Problem) -> bool:

@@ -83,7 +83,7 @@ class Content:
         self._scenes = [self._scene(name, scene) for name, scene in scenes]
         free, fixed = _samples()
         texts = [*formulas.result_functions("Free", free), *formulas.result_functions("Fixed", fixed)]
-        texts += [formulas.change_function(fixed), *formulas.vibrating_functions(fixed)]
+        texts += formulas.vibrating_functions(fixed)
         texts += [*formulas.hardening_functions(fixed), formulas.radius_function(fixed)]
         texts += [formulas.gravity_function(fixed), formulas.mass_function()]
         texts += formulas.hardness_functions()

@@ -23,7 +23,6 @@ from film_model.effects import gravity, large_slope, wave_losses
 from film_model.effects.case import Pulse, absorbed
 from film_model.effects.edge_effects import vibration
 from film_model.effects.rate_hardening import factor_at
-from film_model.effects.trial import change
 from film_model.explorer.inputs import PLATE
 from film_model.explorer.trace import Recording
 from film_model.laws.damping import loss_restitution
@@ -302,13 +301,6 @@ def vibrating_functions(template: Scene) -> list[str]:
     return [*functions, r.function("radiated", "p, a", {"energy": energy})]
 
 
-def change_function(template: Scene) -> str:
-    """The change of the summary by neglecting an effect: `p`, `a` with it, `q`, `b` without."""
-    r = Recording()
-    size = change(_tried(r, "p", "a", template), _tried(r, "q", "b", template))
-    return r.function("change", "p, a, q, b", {"change": size})
-
-
 def hardening_functions(template: Scene) -> list[str]:
     """Of the impact `p`, `a`: the strength at its strain rate over that of slow loading, and its absorbed energy."""
     r = Recording()
@@ -319,10 +311,10 @@ def hardening_functions(template: Scene) -> list[str]:
 
 
 def gravity_function(template: Scene) -> str:
-    """The change of the summary by the weight: `p`, `a` with it, `q`, `b` without."""
+    """The change of the summary by the weight: `q`, `b` without it. change: that of the marches with it and without."""
     r = Recording()
-    light, pressed = _tried(r, "q", "b", template), _tried(r, "p", "a", template)
-    return r.function("gravityChange", "p, a, q, b, n", {"change": gravity.size_of(light, pressed)[0]})
+    size = gravity.sized(_tried(r, "q", "b", template), lambda: r.symbol("change"))
+    return r.function("gravityChange", "q, b, n, change", {"change": size})
 
 
 def plate_functions(template: Scene, paths: Sequence[str]) -> dict[str, str]:

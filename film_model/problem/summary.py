@@ -135,7 +135,7 @@ def radiated_energy(problem: Problem, core: Any) -> Any:
 
 def difference(problem: Problem, a: Any, b: Any) -> Any:
     """Largest relative difference of two summaries, relative to `b`: film_compare in film_solve.h; see `FLAT`."""
-    one = _core(a)
+    one = core_of(a)
     if problem.vibrates:
         known = b.time_of_maximum_indentation
         time = known + (a.time_of_maximum_indentation - known) / FLAT
@@ -145,7 +145,7 @@ def difference(problem: Problem, a: Any, b: Any) -> Any:
         else:
             one = native.Summary.from_buffer_copy(one)
             one.time_of_maximum_indentation = time
-    return compare(problem.start, one, _core(b))
+    return compare(problem.start, one, core_of(b))
 
 
 def differences(problem: Problem, a: native.Summary, b: native.Summary) -> dict[str, float]:
@@ -166,10 +166,10 @@ def rounding(problem: Problem, summary: Any) -> Any:
     It is large where the summary is a small difference of large numbers: the velocity of a ball whose weight does more
     work than its impact, or an indentation beyond a deep clearance.
     """
-    return rounding_of(problem.curve.native, problem.start, _core(summary), problem.curve.clearance)
+    return rounding_of(problem.curve.native, problem.start, core_of(summary), problem.curve.clearance)
 
 
-def _core(summary: Any) -> Any:
+def core_of(summary: Any) -> Any:
     """A summary as the core takes it."""
     return summary.table if isinstance(summary, Columns) else summary
 

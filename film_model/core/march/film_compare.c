@@ -106,6 +106,46 @@ void film_compare(int64_t count, const film_start *start, const film_summary *a,
     for (int64_t i = 0; i < count; i++) off[i] = difference(&start[i], &a[i], &b[i]);
 }
 
+/* |a/b - 1|: 1 if only one of both values exists. */
+static double relative(double a, double b) {
+    if (a == b) return 0.0;
+    return b > 0.0 && a >= 0.0 ? fabs(a / b - 1.0) : 1.0;
+}
+
+/* |a - b|/scale; NaN, which is no change, if the scale is 0. */
+static double over(double a, double b, double scale) { return scale == 0.0 ? NAN : fabs(a - b) / scale; }
+
+/* Energy that the target takes: the remainder in the balance of energy. */
+static double radiated(const film_start *start, const film_summary *s) {
+    double lost = 0.5 * (start->nu * start->nu - s->final_velocity * s->final_velocity) - s->work;
+    return lost + start->load * (s->permanent_indentation + s->shift);
+}
+
+static double change(const film_start *p, const film_summary *a, const film_start *q, const film_summary *b, int end,
+                     const double *unit) {
+    double length = unit[0], force = unit[1], time = unit[2], speed = unit[3], energy = length * force;
+    double depth = a->maximum_indentation, impact = 0.5 * (p->nu * p->nu);
+    double off = larger(relative(b->maximum_indentation * length, depth), relative(b->maximum_force * force, a->maximum_force));
+    off = larger(relative(b->time_of_maximum_indentation * time, a->time_of_maximum_indentation), off);
+    if (!end) return off;
+    off = larger(relative(b->contact_duration * time, a->contact_duration), off);
+    off = larger(over(b->permanent_indentation * length, a->permanent_indentation, depth), off);
+    off = larger(over(b->final_velocity * speed, a->final_velocity, p->nu), off);
+    off = larger(over(b->work * energy, a->work, impact), off);
+    if (!(p->gamma > 0.0 || q->gamma > 0.0)) return off;
+    return larger(over(radiated(q, b) * energy, radiated(p, a), impact), off);
+}
+
+void film_change(int64_t count, const int32_t *status, const film_start *start, const film_summary *full, const int32_t *other_status,
+                 const film_start *other_start, const film_summary *without, const double *units, double *off) {
+    for (int64_t i = 0; i < count; i++) {
+        int ends = status[i] == FILM_EVENT, other_ends = other_status[i] == FILM_EVENT;
+        if (status[i] < 0 || other_status[i] < 0) off[i] = NAN;
+        else if (ends != other_ends) off[i] = 1.0;
+        else off[i] = change(&start[i], &full[i], &other_start[i], &without[i], ends, &units[4 * i]);
+    }
+}
+
 void film_rounding(const film_curve *curve, int64_t count, const film_start *start, const film_summary *summary,
                    double clearance, double *off) {
     for (int64_t i = 0; i < count; i++) {

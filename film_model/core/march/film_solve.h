@@ -10,6 +10,14 @@
  * maximum indentation count, because whether contact ends then depends on rounding. */
 FILM_API void film_compare(int64_t count, const film_start *start, const film_summary *a, const film_summary *b, double *off);
 
+/* off[i]: the largest change of a contact's results by neglecting an effect: `full` with it, `without` without; 1 if only one of both
+ * ends, NaN if a status is negative. Force, maximum indentation and times are relative to those of `full`, permanent indentations to
+ * its maximum indentation, velocities to its approach velocity, work and the energy that the target takes to the impact energy.
+ * units: four of each contact, length, force, time and velocity of the march without the effect over those of that with it. */
+FILM_API void film_change(int64_t count, const int32_t *status, const film_start *start, const film_summary *full,
+                          const int32_t *other_status, const film_start *other_start, const film_summary *without,
+                          const double *units, double *off);
+
 /* off[i]: how much rounding may change summary[i], relative as in film_compare, at most 1. clearance: where the law's force begins. */
 FILM_API void film_rounding(const film_curve *curve, int64_t count, const film_start *start, const film_summary *summary,
                             double clearance, double *off);

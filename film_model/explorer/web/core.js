@@ -167,12 +167,12 @@ class Core {
     return { status, ...this.read("summary", this.result, ["stage", "lines"]) };
   }
 
-  /** @param {any} p problem */
-  writeStart(p) {
+  /** @param {any} p problem @param {number} [place] */
+  writeStart(p, place = this.start) {
     const view = this.view();
     const values = { nu: p.approach, gamma: p.gamma, load: p.load, stop_velocity: p.stop_velocity };
     const all = { ...values, time_limit: p.limit, damping: p.damping };
-    for (const [name, value] of Object.entries(all)) view.setFloat64(this.start + this.layout.start[name], value, true);
+    for (const [name, value] of Object.entries(all)) view.setFloat64(place + this.layout.start[name], value, true);
   }
 
   /** @param {number} place @param {Impact} summary */
@@ -190,6 +190,23 @@ class Core {
     this.writeSummary(this.result, a);
     this.writeSummary(this.other, b);
     this.c.film_compare(1n, this.start, this.result, this.other, this.counts);
+    return this.view().getFloat64(this.counts, true);
+  }
+
+  /** The change of the summary between impacts with an effect, p, and without. @param {any} p @param {Impact} a @param {any} q @param {Impact} b */
+  change(p, a, q, b) {
+    const { top } = this;
+    const trials = [[p, a], [q, b]].map(([problem, found]) => {
+      const place = this.allocate(this.layout.start.size);
+      this.writeStart(problem, place);
+      const [summary, status] = [this.allocate(this.layout.summary.size), this.allocate(8)];
+      this.writeSummary(summary, found);
+      this.view().setInt32(status, found.status, true);
+      return [status, place, summary];
+    });
+    const units = this.numbersAt(["length", "force", "time", "velocity"].map((unit) => q[unit] / p[unit]));
+    this.c.film_change(1n, ...trials.flat(), units, this.counts);
+    this.top = top;
     return this.view().getFloat64(this.counts, true);
   }
 

@@ -115,7 +115,7 @@ function trial(problem) {
 
 /** The change of the summary between a problem with an effect and one without. @param {Problem} full @param {Problem} without */
 function changeOf(full, without) {
-  return FORMULAS.change(full.p, trial(full), without.p, trial(without)).change;
+  return CORE.change(full.p, trial(full), without.p, trial(without));
 }
 
 /** The velocity after the trial impact, or that before it if contact does not end, m/s. @param {Problem} problem */
@@ -152,7 +152,7 @@ function choose(scene, slow) {
   let heavy = gravity === true && !scene.base.free;
   if (!scene.base.free) {
     const pressed = problemOf(law, n, own, n.weight, compliance);
-    const size = FORMULAS.gravityChange(pressed.p, trial(pressed), light.p, trial(light), n).change;
+    const size = FORMULAS.gravityChange(light.p, trial(light), n, changeOf(pressed, light)).change;
     if (gravity === "auto") heavy = !(size <= tolerance);
     effects.gravity = { simulated: heavy, change: size };
   }

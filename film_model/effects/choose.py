@@ -46,9 +46,6 @@ _SETTLED = {
 }
 """Estimated effects that may be simulated, and what puts the decision into the estimate."""
 
-_ORDER = {name: k for k, name in enumerate(COMPUTED)}
-
-
 @dataclass(frozen=True)
 class Choice:
     """The decisions for one scene: what is simulated, and the numbers that decided.
@@ -123,10 +120,10 @@ class Choice:
         why = "the target moves too little to matter"
         found += [effect._replace(state=NOT_NEEDED, reason=why, cost=FREE) if held else effect for effect in self.edges]
         known = {effect.name for effect in self.edges}
-        judged = {effect.name: effect for effect in judge(self._ending, self.problem.vibrates)}
+        judged = judge(self._ending, self.problem.vibrates)
         for name, settled in _SETTLED.items():
             judged[name] = settled(judged[name], self.problem)
-        return (*found, *(effect for name, effect in judged.items() if name not in known))
+        return (*found, *[effect for name, effect in judged.items() if name not in known])
 
     @property
     def _ending(self) -> Problem:
@@ -149,7 +146,8 @@ class Choice:
 
 
 def _in_order(effects: Iterable[Effect]) -> tuple[Effect, ...]:
-    return tuple(sorted(effects, key=lambda effect: _ORDER.get(effect.name, len(_ORDER))))
+    named = {effect.name: effect for effect in effects}
+    return (*[named.pop(name) for name in COMPUTED if name in named], *named.values())
 
 
 def choose(scene: Scene) -> Choice:
@@ -159,7 +157,7 @@ def choose(scene: Scene) -> Choice:
     support, edges = Support(impacts.numbers.impedance), ()
     if edged(scene):
         support, edges = support_of(impacts)
-    static = impacts.problem(support.impedance, 0.0, support.compliance)
+    static = impacts.at(support.impedance, 0.0, support.compliance)
     hard = rate_hardening.applied(static)
     light = hard or static
     ((problem, moved, yielding, decided),) = _decided(light, support)
@@ -185,13 +183,17 @@ def _decided(light: Problem, support: Support) -> Iterator[tuple[Problem, Proble
     moves = target_motion.needed(moved, support)
     for yielding in _held(moved, moves):
         keeps_law = plasticity.needed(yielding)
-        for plain in _divided(yielding, keeps_law, plasticity.elastic):
-            problem = _vibrating(plain) if support.vibrates and moves else plain
-            for relaxed in _replaced(problem, *viscoelasticity.relaxing(problem)):
-                for damped in _replaced(relaxed, *material_damping.damped(relaxed)):
-                    for sloped in _replaced(damped, *large_slope.steep(damped)):
-                        for part in _replaced(sloped, *wave_losses.radiating(sloped)):
-                            yield part, moved, yielding, (heavy, moves, keeps_law)
+        parts = _divided(yielding, keeps_law, plasticity.elastic)
+        if support.vibrates and moves:
+            parts = [_vibrating(plain) for plain in parts]
+        for rule in _REPLACING:
+            parts = [each for part in parts for each in _replaced(part, *rule(part))]
+        for part in parts:
+            yield part, moved, yielding, (heavy, moves, keeps_law)
+
+
+_REPLACING = viscoelasticity.relaxing, material_damping.damped, large_slope.steep, wave_losses.radiating
+"""Rules that change impacts where this matters, in the order in which they are asked."""
 
 
 def _held(moved: Problem, moves: Any) -> list[Problem]:
@@ -205,15 +207,21 @@ def _held(moved: Problem, moves: Any) -> list[Problem]:
 
 def _divided(problem: Problem, stays: Any, changed: Callable[[Problem], Problem]) -> list[Problem]:
     """The impacts that stay as they are, and the others changed."""
-    if all_of(stays):
-        return [problem]
-    others = changed(problem)
-    return [problem.part(stays), others.part(~stays)] if any_of(stays) else [others]
+    return [problem] if all_of(stays) else _parted(problem, changed(problem), stays)
 
 
 def _replaced(problem: Problem, changed: Problem, where: Any) -> list[Problem]:
     """The impacts changed where this matters, and the others as they are."""
-    return _divided(changed, where, lambda _: problem)
+    return [problem] if where is False else _parted(changed, problem, where)
+
+
+def _parted(one: Problem, other: Problem, where: Any) -> list[Problem]:
+    """Impacts of one problem, and for the rest those of the other."""
+    if not one.impacts.many or not isinstance(where, np.ndarray):
+        return [one if where else other]
+    if all_of(where):
+        return [one]
+    return [one.part(where), other.part(~where)] if any_of(where) else [other]
 
 
 def _vibrating(problem: Problem) -> Problem:
@@ -223,5 +231,5 @@ def _vibrating(problem: Problem) -> Problem:
             f"law {problem.law.name}: laws that pull are not supported on targets that vibrate; "
             "target_motion = false in [effects] fixes the target"
         )
-    vibrating = problem.impacts.problem(math.inf, problem.given[1], vibrates=True)
+    vibrating = problem.impacts.at(math.inf, problem.given[1], vibrates=True)
     return replace(vibrating, stretches=stretching.needed(problem))

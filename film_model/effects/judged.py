@@ -21,13 +21,15 @@ OF_BALLS = (materials.adhesion, materials.fracture, air_drag, roughness, squeeze
 """Rules that hold for balls only."""
 
 
-def judge(problem: Problem, vibrates: bool) -> tuple[Effect, ...]:
-    """All rules applied to one impact; "not judged" if its contact does not end.
+def judge(problem: Problem, vibrates: bool) -> dict[str, Effect]:
+    """All rules applied to one impact, by name; "not judged" if its contact does not end.
 
     vibrates: the target does; `problem` is then the impact on its impedance or static stiffness.
     """
     case = _case(problem, vibrates)
-    return tuple(_apply(name, problem, case) for name in RULES)
+    if case is None or problem.scene.nose is not None:
+        return {name: _apply(name, problem, case) for name in RULES}
+    return {name: judge_case(case, rule) for name, (rule, judge_case) in RULES.items()}
 
 
 def judged(problem: Problem, name: str) -> Effect:

@@ -12,7 +12,6 @@ no law is valid.
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 from typing import Any, cast
 
 from film_model.base.arrays import any_of
@@ -20,7 +19,7 @@ from film_model.effects.case import Case, Rule
 from film_model.effects.effect import FREE, NOT_MODELLED, SIMULATED, Effect, off_state
 from film_model.laws.hertz import hertz_stiffness
 from film_model.laws.large_slope import BALL
-from film_model.problem.law_of_scene import STEEP, YIELDING, law_named
+from film_model.problem.law_of_scene import STEEP, YIELDING
 from film_model.problem.problem import Problem
 from film_model.scene import Scene
 
@@ -42,9 +41,7 @@ def steep(problem: Problem) -> tuple[Problem, Any]:
     matters = True if wanted is True else change_of(scene, problem.given[1]) > base.effect_tolerance
     if not any_of(matters):
         return problem, False
-    impacts = problem.impacts.under(law_named(scene, STEEP[problem.law.name]))
-    made = replace(impacts.problem(*problem.given, vibrates=problem.vibrates), stretches=problem.stretches)
-    return made, impacts.column(matters)
+    return problem.under(STEEP[problem.law.name]), problem.impacts.column(matters)
 
 
 def change_of(scene: Scene, load: Any) -> Any:

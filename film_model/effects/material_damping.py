@@ -8,16 +8,18 @@ leaves the lower restitution.
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 from typing import Any
 
-from film_model.base.arrays import any_of, either
+from film_model.base.arrays import all_of, any_of, either, greater
 from film_model.effects.effect import FREE, NOT_MODELLED, SIMULATED, Effect, off_state
 from film_model.effects.trial import matters
 from film_model.laws.damping import loss_restitution
-from film_model.problem.law_of_scene import DAMPED, ELASTIC, STEEP, YIELDING, law_named
+from film_model.problem.law_of_scene import DAMPED, ELASTIC, STEEP, YIELDING
 from film_model.problem.problem import Problem
 from film_model.scene import Scene
+
+MARGIN = 1.05
+"""Of :func:`change_of`, to the change that marches show (tests/test_material_damping.py)."""
 
 
 def hindered(problem: Problem) -> str:
@@ -42,18 +44,40 @@ def damped(problem: Problem) -> tuple[Problem, Any]:
         return problem, False
     if law == YIELDING and (scene.effects.plasticity is True or _keeps_more(problem, known)):
         return problem, False
-    impacts = problem.impacts.under(law_named(problem.impacts.scene, DAMPED))
-    made = replace(impacts.problem(*problem.given, vibrates=problem.vibrates), stretches=problem.stretches)
+    if law == ELASTIC and (sure := _surely(problem, known)) is False:
+        return problem, False
+    made = problem.under(DAMPED)
     if law == ELASTIC:
-        return made, matters(made, problem) if any_of(problem.approach > 0.0) else True
+        return made, sure or not any_of(problem.approach > 0.0) or matters(made, problem)
     known = problem.trial.status >= 0  # a ball deeper than the law's end is an error, not elastic
     return made, known & (_rebound(made) < _rebound(problem))
+
+
+def change_of(loss_factor: Any) -> Any:
+    """The change of the summary by the damping of an elastic impact on a fixed target: by the energy lost, 1 − e², or
+    by the indentation at which the force ends, over the largest."""
+    lost = 1.0 - loss_restitution(loss_factor) ** 2.0
+    return greater(lost, 0.4 * lost**0.8)
+
+
+def _surely(problem: Problem, loss_factor: Any) -> bool | None:
+    """Whether the losses of the materials matter in all elastic impacts, or in none, on a target that is fixed; None if
+    marches have to tell."""
+    if not (_is_fixed(problem) and all_of(problem.approach > 0.0)):
+        return None
+    size, tolerance = change_of(loss_factor), problem.scene.effect_tolerance
+    return False if all_of(size < tolerance / MARGIN) else True if all_of(size > MARGIN * tolerance) else None
+
+
+def _is_fixed(problem: Problem) -> bool:
+    """Whether no target moves, and no weight presses."""
+    return not (any_of(problem.gamma > 0.0) or any_of(problem.load > 0.0) or problem.vibrates)
 
 
 def _keeps_more(problem: Problem, loss_factor: Any) -> bool:
     """Whether the losses of the materials leave more than yield does in all impacts, which a target that is fixed shows
     without a march of the damped law."""
-    if any_of(problem.gamma > 0.0) or any_of(problem.load > 0.0) or problem.vibrates:
+    if not _is_fixed(problem):
         return False
     kept = loss_restitution(loss_factor) * problem.approach * problem.scales.velocity
     return not any_of(kept < _rebound(problem))

@@ -72,18 +72,19 @@ class SceneLaw:
         """The law of one impact; for several impacts, with arrays in its fields."""
         if places is ALL or not self._varies:
             return self._whole
-        return self._first if isinstance(places, int) and places == 0 else self._made(places)
+        return self.first if isinstance(places, int) and places == 0 else self._made(places)
 
     @cached_property
     def _varies(self) -> bool:
-        return any(isinstance(value, np.ndarray) for value in (*self.values.values(), *self.sphere.values()))
+        return any([isinstance(value, np.ndarray) for value in (*self.values.values(), *self.sphere.values())])
 
     @cached_property
     def _whole(self) -> AbstractLaw:
         return self._made(ALL)
 
     @cached_property
-    def _first(self) -> AbstractLaw:
+    def first(self) -> AbstractLaw:
+        """That of one impact, or of the first of many."""
         return self._made(0)
 
     def _made(self, places: Any) -> AbstractLaw:

@@ -64,11 +64,17 @@ class Impacts:
     index: Index | None = None
     columns: Mapping[str, Array] = field(default_factory=dict[str, Array])
     varied: Scene | None = None
+    _laws: dict[str, Impacts] = field(default_factory=dict, repr=False, compare=False)
+    """The same impacts under other laws, by their names."""
+    _problems: dict[Any, Problem] = field(default_factory=dict, init=False, repr=False, compare=False)
 
     @classmethod
     def one(cls, scene: Scene, law: SceneLaw) -> Impacts:
         """One impact."""
-        return cls(scene, law, Numbers.of(scene, None))
+        made = cls(scene, law, Numbers.of(scene, None))
+        if isinstance(law.law, type):
+            made._laws[law.law.name] = made
+        return made
 
     @classmethod
     def several(
@@ -104,7 +110,22 @@ class Impacts:
 
     def under(self, law: SceneLaw) -> Impacts:
         """The same impacts under another law."""
-        return Impacts(self.base, law, self.numbers, self.index, self.columns, self.varied)
+        return Impacts(self.base, law, self.numbers, self.index, self.columns, self.varied, self._laws)
+
+    def named(self, law: str) -> Impacts:
+        """The same impacts under the law of this name, with its values from the scene."""
+        if law not in self._laws:
+            self._laws[law] = self.under(law_named(self.scene, law))
+        return self._laws[law]
+
+    def at(self, impedance: Any, load: Any, compliance: Any = 0.0, vibrates: bool = False) -> Problem:
+        """As :meth:`problem`; that of one impact is made, and tried, once."""
+        given = impedance, load, compliance, vibrates
+        if self.index is not None:
+            return self.problem(*given)
+        if given not in self._problems:
+            self._problems[given] = self.problem(*given)
+        return self._problems[given]
 
     @cached_property
     def zener(self) -> Any:
@@ -120,7 +141,7 @@ class Impacts:
     @cached_property
     def one_law(self) -> AbstractLaw:
         """The law of the one impact, or of the first of many."""
-        return self.law.at(0)
+        return self.law.first
 
     @cached_property
     def curve(self) -> Curve:
@@ -233,7 +254,6 @@ class Problem:
     stretches: bool = False
     relaxation: Relaxation | None = None
     own: OwnCurves = OwnCurves()
-    _others: dict[Any, Problem] = field(default_factory=dict, init=False, repr=False, compare=False)
 
     @cached_property
     def scene(self) -> Scene:
@@ -241,24 +261,20 @@ class Problem:
         return self.impacts.base
 
     def again(self, law: str | AbstractLaw | None = None, **changed: Any) -> Problem:
-        """The problem with another law, or law name, impedance, load or compliance.
-
-        For one impact these problems are cached, so that each is marched once; it is the same if nothing changes.
-        """
-        given: dict[str, Any] = dict(zip(("impedance", "load", "compliance"), self.given, strict=True))
-        if not (self.impacts.many or self.vibrates or law) and given | changed == given:
-            return self
-        key = (law, *changed.items()) if not self.impacts.many and not isinstance(law, AbstractLaw) else None
-        if key in self._others:
-            return self._others[key]
+        """The problem with another law, or law name, impedance, load or compliance; it is the same if nothing changes.
+        Of one impact these problems are made once, so that each is marched once."""
+        given = dict(zip(("impedance", "load", "compliance"), self.given, strict=True)) | changed
         impacts = self.impacts
         if law is not None:
-            own = law_named(impacts.scene, law) if isinstance(law, str) else SceneLaw(law, {}, None, {})
-            impacts = impacts.under(own)
-        made = impacts.problem(**(given | changed))
-        if key is not None:
-            self._others[key] = made
-        return made
+            impacts = impacts.named(law) if isinstance(law, str) else impacts.under(SceneLaw(law, {}, None, {}))
+        elif not (impacts.many or self.vibrates) and tuple(given.values()) == self.given:
+            return self
+        return impacts.at(*given.values())
+
+    def under(self, law: str) -> Problem:
+        """The problem with the law of this name, whose target moves as this one's."""
+        made = self.impacts.named(law).at(*self.given, vibrates=self.vibrates)
+        return replace(made, stretches=True) if self.stretches else made
 
     def part(self, places: Any) -> Problem:
         """Some of many impacts, by their indices or by a mask."""

@@ -13,6 +13,8 @@ from film_model.base.materials import catalogue
 from film_model.core import native
 from film_model.effects.choose import choose
 from film_model.effects.effect import NOT_MODELLED, SIMULATED
+from film_model.effects.material_damping import MARGIN, change_of
+from film_model.effects.trial import change
 from film_model.laws.damping import LOSS_SLOPE, loss_restitution
 from film_model.solve.batch import simulate_many
 
@@ -94,6 +96,16 @@ def test_no_material_with_losses_rebounds_without_loss(name):
         assert effect.change < 0.02 and effect.state != NOT_MODELLED
     elastic = name.startswith(("natural rubber", "polyurethane"))
     assert effect.simulated or not (elastic or name in ("nylon 6/6", "polycarbonate", "PMMA"))
+
+
+@pytest.mark.parametrize("loss_factor", [1e-5, 3e-4, 0.003, 0.008, 0.01, 0.03, 0.3, 1.0])
+def test_marches_on_a_fixed_target_show_the_change_in_closed_form(loss_factor):
+    """By which most impacts are decided without a march of the damped law."""
+    impact = choose(scene(material_damping=False))
+    elastic = impact.problem.again(law="hertz", impedance=math.inf)
+    ball = impact.scene.effective_modulus, impact.scene.effective_radius
+    found = change(elastic.again(law=fm.Tsuji(*ball, loss_restitution(loss_factor))), elastic)
+    assert elastic.trial.ends and change_of(loss_factor) / found == pytest.approx(1.0, abs=0.4 * (MARGIN - 1.0))
 
 
 def test_restitution_never_rises_through_first_yield():

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-from dataclasses import asdict
 from typing import Any, cast
 
 import numpy as np
@@ -269,7 +268,7 @@ def _closed_form(history: History) -> dict[str, Any]:
     problem, form = history.problem, history.closed_form
     energies = history.vibration_energy_by_mode
     return {
-        **{f"scale_{name}": value for name, value in asdict(problem.scales).items()},
+        **{f"scale_{name}": value for name, value in problem.scales._asdict().items()},
         "drift_velocity": problem.drift,
         "impactor_share": problem.share,
         "target_compliance": form.compliance,

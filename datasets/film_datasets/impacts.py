@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -37,7 +37,7 @@ from film_model.solve.many_meshes import recorded_segments
 from film_model.solve.many_modes import Followed, closed_forms, sensor_peaks
 from film_model.solve.sensed import quantities_of
 
-SEGMENT_UNITS = (*(f"scale_{scale.name}" for scale in fields(Scales)), "drift_velocity", "impactor_share")
+SEGMENT_UNITS = (*(f"scale_{name}" for name in Scales._fields), "drift_velocity", "impactor_share")
 """Values that convert an impact's closed form to SI, by the names of the schema."""
 
 
@@ -176,7 +176,7 @@ class Impacts:
 
 def _units(problem: Problem, compliance: Array) -> dict[str, Array]:
     """The units of the closed forms of impacts. compliance: of the target, for each."""
-    units = {f"scale_{name}": value for name, value in vars(problem.scales).items()}
+    units = {f"scale_{name}": value for name, value in problem.scales._asdict().items()}
     units |= {"drift_velocity": problem.drift, "impactor_share": problem.share, "target_compliance": compliance}
     return {name: np.broadcast_to(value, compliance.shape) for name, value in units.items()}
 

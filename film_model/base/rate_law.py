@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import Any, NamedTuple
 
-from film_model.base.arrays import exponential, greater, logarithm
+from film_model.base.arrays import any_of, exponential, greater, logarithm
 from film_model.base.materials import Material
 
 
@@ -23,6 +23,8 @@ class RateHardening(NamedTuple):
     def factor(self, rate: Any) -> Any:
         """S/S_y at a strain rate, 1/s."""
         johnson_cook = 1.0 + self.coefficient * logarithm(greater(rate, 1.0))
+        if not any_of(self.slowness > 0.0):
+            return johnson_cook
         scaled = greater(rate * self.slowness, 1e-300)  # for ε̇/D = 0, whose logarithm is not finite
         return johnson_cook + exponential(self.power * logarithm(scaled)) * (self.slowness > 0.0)
 

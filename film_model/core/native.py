@@ -196,7 +196,7 @@ def record(
     to `limit`."""
     most, count, events_count, begun = min(room, _MOST_EVENTS), c.c_int32(), c.c_int32(), bytes(state)
     summary = Summary()
-    lines, events = (np.empty(n * t.itemsize, np.uint8) for n, t in ((room, LINE_DTYPE), (most, STATE_DTYPE)))
+    lines, events = np.empty(room * LINE_DTYPE.itemsize, np.uint8), np.empty(most * STATE_DTYPE.itemsize, np.uint8)
     status = library().film_record(
         *(c.byref(curve), c.byref(cut), c.byref(state), limit),
         *(at(lines), room, c.byref(count), at(events), most, c.byref(events_count), c.byref(summary)),

@@ -64,6 +64,17 @@ def compare(start: Any, a: Any, b: Any) -> Any:
     return off
 
 
+def first_segments(damping: Any, least: int) -> Any:
+    """Segments of the first trial of each contact: more for strong damping."""
+    if not isinstance(damping, np.ndarray):
+        one = c.c_int32()
+        library().film_first_segments(1, c.byref(c.c_double(damping)), least, c.byref(one))
+        return one.value
+    given, found = np.ascontiguousarray(damping, np.float64), np.empty(damping.size, np.int32)
+    library().film_first_segments(found.size, given.ctypes.data, least, at(found))
+    return found
+
+
 _FOUR = c.c_double * 4
 
 
@@ -71,8 +82,9 @@ def change(full: tuple[Any, Any, Any], without: tuple[Any, Any, Any], units: tup
     """Largest change of each contact's results by neglecting an effect: see film_solve.h. full, without: statuses,
     starts and summaries with it and without. units: of the march without over those of that with it."""
     if isinstance(full[2], Summary):
-        found, trials = c.c_double(), [(c.byref(c.c_int32(s)), c.byref(p), c.byref(a)) for s, p, a in (full, without)]
-        library().film_change(1, *trials[0], *trials[1], _FOUR(*units), c.byref(found))
+        found, ((status, p, a), (other, q, b)) = c.c_double(), (full, without)
+        tried = c.byref(c.c_int32(status)), c.byref(p), c.byref(a), c.byref(c.c_int32(other)), c.byref(q), c.byref(b)
+        library().film_change(1, *tried, _FOUR(*units), c.byref(found))
         return found.value
     kinds = np.int32, START_DTYPE, SUMMARY_DTYPE
     tables = [np.ascontiguousarray(*pair) for trial in (full, without) for pair in zip(trial, kinds, strict=True)]

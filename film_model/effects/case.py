@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
-from functools import cached_property
 from typing import Any, NamedTuple
 
 from film_model.base.arrays import either, greater, ratio
@@ -42,67 +40,12 @@ class Pulse(NamedTuple):
         return cls(-core.final_velocity / approach, back, push / approach * gamma / duration)
 
 
-@dataclass(frozen=True)
-class Case:
-    """The input of the rules: SI numbers of an impact on the trial mesh.
-
-    fraction: absorbed part of the impact energy. back [s], motion: as in :class:`Pulse`. turn: time of the maximum
-    indentation.
-    """
+class Case(NamedTuple):
+    """The input of the rules: a problem, and its impact on the trial mesh as the rules of a target see it."""
 
     problem: Problem
-    tolerance: float
-    force: float
-    indentation: float
-    duration: float
-    turn: float
-    restitution: float
-    fraction: float
-    back: float
-    motion: float
-    vibrates: bool
-
-    @cached_property
-    def scene(self) -> Scene:
-        """The scene."""
-        return self.problem.scene
-
-    @property
-    def contact_radius(self) -> float:
-        """That of the elastic contact at δ_m, m: √(R δ_m) of a ball."""
-        return elastic_radius(self.scene, self.indentation)
-
-    @property
-    def energy(self) -> float:
-        """Impact energy, J."""
-        return self.scene.kinetic_energy
-
-    @cached_property
-    def seen_by_target(self) -> Impact:
-        """The impact in the form that the rules of the target take."""
-        problem, fixed = self.problem, self.problem.again(impedance=math.inf, compliance=0.0)
-        if not fixed.trial.ends:  # on a target that does not move, the impact is beyond the law
-            fixed = problem
-        core, scales = fixed.trial.summary, fixed.scales
-        softness = core.maximum_indentation * scales.length / (core.maximum_force * scales.force)
-        return Impact(
-            mass=problem.scene.mass,
-            force=self.force,
-            indentation=self.indentation,
-            contact_radius=self.contact_radius,
-            duration=self.duration,
-            turn=self.turn,
-            restitution=self.restitution,
-            energy=self.energy,
-            fraction=self.fraction,
-            back=self.back,
-            motion=self.motion,
-            by_impedance=problem.gamma != 0.0,
-            by_compliance=problem.compliance > 0.0,
-            vibrates=self.vibrates,
-            tolerance=self.tolerance,
-            held=(core.contact_duration * scales.time, softness),
-        )
+    scene: Scene
+    seen: Impact
 
 
 class Rule(NamedTuple):
@@ -150,18 +93,29 @@ def absorbed(problem: Problem) -> float:
 
 def case_of(problem: Problem, vibrates: bool) -> Case:
     """The impact of a problem whose trial march ends. vibrates: its target does, though not in this problem."""
-    s, core = problem.scales, problem.trial.summary
-    pulse = Pulse.of(problem.approach, problem.gamma, core)
-    return Case(
-        problem=problem,
-        tolerance=problem.scene.effect_tolerance,
+    s, core, scene = problem.scales, problem.trial.summary, problem.scene
+    pulse, indentation = Pulse.of(problem.approach, problem.gamma, core), core.maximum_indentation * s.length
+    fixed = problem.again(impedance=math.inf, compliance=0.0)
+    if not fixed.trial.ends:  # on a target that does not move, the impact is beyond the law
+        fixed = problem
+    still, units = fixed.trial.summary, fixed.scales
+    softness = still.maximum_indentation * units.length / (still.maximum_force * units.force)
+    seen = Impact(
+        mass=scene.mass,
         force=core.maximum_force * s.force,
-        indentation=core.maximum_indentation * s.length,
+        indentation=indentation,
+        contact_radius=elastic_radius(scene, indentation),
         duration=core.contact_duration * s.time,
         turn=core.time_of_maximum_indentation * s.time,
         restitution=pulse.restitution,
+        energy=scene.kinetic_energy,
         fraction=absorbed(problem),
         back=pulse.back * s.time,
         motion=pulse.motion,
+        by_impedance=problem.gamma != 0.0,
+        by_compliance=problem.compliance > 0.0,
         vibrates=vibrates,
+        tolerance=scene.effect_tolerance,
+        held=(still.contact_duration * units.time, softness),
     )
+    return Case(problem, scene, seen)

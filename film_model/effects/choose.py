@@ -46,6 +46,7 @@ _SETTLED = {
 }
 """Estimated effects that may be simulated, and what puts the decision into the estimate."""
 
+
 @dataclass(frozen=True)
 class Choice:
     """The decisions for one scene: what is simulated, and the numbers that decided.
@@ -157,7 +158,7 @@ def choose(scene: Scene) -> Choice:
     support, edges = Support(impacts.numbers.impedance), ()
     if edged(scene):
         support, edges = support_of(impacts)
-    static = impacts.at(support.impedance, 0.0, support.compliance)
+    static = impacts.problem(support.impedance, 0.0, support.compliance)
     hard = rate_hardening.applied(static)
     light = hard or static
     ((problem, moved, yielding, decided),) = _decided(light, support)
@@ -231,5 +232,5 @@ def _vibrating(problem: Problem) -> Problem:
             f"law {problem.law.name}: laws that pull are not supported on targets that vibrate; "
             "target_motion = false in [effects] fixes the target"
         )
-    vibrating = problem.impacts.at(math.inf, problem.given[1], vibrates=True)
+    vibrating = problem.impacts.problem(math.inf, problem.given[1], vibrates=True)
     return replace(vibrating, stretches=stretching.needed(problem))

@@ -77,7 +77,7 @@ def support_of(impacts: Impacts) -> Supported:
     found = _without_stretching(edges)
     if found[0].vibrates or not stretching.possible(scene) or scene.effects.boundary_reflections is False:
         return found
-    problem = impacts.at(found[0].impedance, 0.0, found[0].compliance)
+    problem = impacts.problem(found[0].impedance, 0.0, found[0].compliance)
     return edges.vibrating() if scene.effects.target_inertia is not False and stretching.needed(problem) else found
 
 
@@ -197,12 +197,12 @@ class _Edges:
     @cached_property
     def on_infinite(self) -> Problem | None:
         """The impact on the infinite plate, if there is one."""
-        return None if self.bounded else self.impacts.at(self.scene.target_impedance, 0.0)
+        return None if self.bounded else self.impacts.problem(self.scene.target_impedance, 0.0)
 
     @cached_property
     def on_static(self) -> Problem:
         """The impact on the static stiffness."""
-        return self.impacts.at(math.inf, 0.0, self.scene.target.compliance or 0.0)
+        return self.impacts.problem(math.inf, 0.0, self.scene.target.compliance or 0.0)
 
     @cached_property
     def no_static(self) -> str:
@@ -277,7 +277,7 @@ def felt_compliance(impacts: Impacts) -> tuple[float, bool]:
     on a fixed target, lengthened by the compliance felt and shortened by these masses.
     """
     scene, compliance = impacts.base, impacts.base.target.compliance or 0.0
-    fixed = impacts.at(math.inf, 0.0)
+    fixed = impacts.problem(math.inf, 0.0)
     if not compliance or not endless(scene.target.impedance) or not fixed.trial.ends:
         return compliance, False
     core, scales = fixed.trial.summary, fixed.scales

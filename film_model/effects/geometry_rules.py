@@ -17,7 +17,7 @@ def by_target(method: str) -> Callable[[Case, Rule], Effect]:
     """The rule of an effect that this method of the target estimates."""
 
     def judge(case: Case, rule: Rule) -> Effect:
-        found: Estimate = getattr(case.scene.target, method)(case.seen_by_target)
+        found: Estimate = getattr(case.scene.target, method)(case.seen)
         rule = rule if found.indicator is None else rule._replace(indicator=found.indicator)
         if not found.applies:
             return rule.absent(found.reason)
@@ -28,8 +28,8 @@ def by_target(method: str) -> Callable[[Case, Rule], Effect]:
         cost, reason = ABSENT, found.reason
         if found.remedy is not None:
             cost = f"{ABSENT}: {found.remedy}"
-            reason += f": {found.remedy}" if found.change > case.tolerance else ""
-        return rule.sized(case.tolerance, found.value, found.threshold, found.change, reason, cost)
+            reason += f": {found.remedy}" if found.change > case.seen.tolerance else ""
+        return rule.sized(case.seen.tolerance, found.value, found.threshold, found.change, reason, cost)
 
     judge.__doc__ = getattr(AbstractTarget, method).__doc__
     return judge
@@ -44,7 +44,7 @@ def obliqueness(case: Case, rule: Rule) -> Effect:
     """
     # how it slides is not said under damping, which lets more friction through
     scene, damps = case.scene, case.problem.damps and case.scene.contact.friction is not None
-    return oblique(scene, rule, None if damps else case.restitution, case.tolerance)
+    return oblique(scene, rule, None if damps else case.seen.restitution, case.seen.tolerance)
 
 
 def oblique(scene: Scene, rule: Rule, restitution: float | None, tolerance: float) -> Effect:

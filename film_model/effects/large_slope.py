@@ -65,27 +65,28 @@ def judge(case: Case, rule: Rule) -> Effect:
     scene = case.scene
     modulus, radius, coefficient = scene.effective_modulus, scene.effective_radius, scene.slope_coefficient
     if scene.nose is not None:
-        beyond = case.contact_radius / scene.impactor.radius
+        beyond = case.seen.contact_radius / scene.impactor.radius
         if beyond > 1.0:
             return rule.failing(f"the {scene.impactor.shape} is pressed in beyond its base", beyond, 1.0)
         return rule.unjudged("known for balls only", beyond)
     if modulus is None:
         return rule.unjudged("missing: an effective modulus")
-    if case.problem.law.name == YIELDING and case.indentation <= DEEPEST * radius:
+    if case.problem.law.name == YIELDING and case.seen.indentation <= DEEPEST * radius:
         return rule.absent(f"law {YIELDING} is that of finite elements with large slopes")
-    if case.indentation > DEEPEST * radius:
-        why = f"the indentation is {case.indentation / radius:.3g} times the radius: no contact law is valid so deep"
-        return rule.failing(why, case.contact_radius / radius, math.sqrt(DEEPEST))
-    hertz = (case.force / hertz_stiffness(modulus, radius)) ** (2.0 / 3.0)  # elastic part of the indentation
-    size = _change(BALL if coefficient is None else coefficient, hertz / radius) * hertz / case.indentation
-    value = case.contact_radius / radius
-    threshold = case.tolerance * value / size if size > 0.0 else None
+    seen = case.seen
+    if seen.indentation > DEEPEST * radius:
+        why = f"the indentation is {seen.indentation / radius:.3g} times the radius: no contact law is valid so deep"
+        return rule.failing(why, seen.contact_radius / radius, math.sqrt(DEEPEST))
+    hertz = (seen.force / hertz_stiffness(modulus, radius)) ** (2.0 / 3.0)  # elastic part of the indentation
+    size = _change(BALL if coefficient is None else coefficient, hertz / radius) * hertz / seen.indentation
+    value = seen.contact_radius / radius
+    threshold = seen.tolerance * value / size if size > 0.0 else None
     why = f"the contact radius is {value:.2g} R: the force is about {100 * size:.2g} % off by Hertz's theory"
     why += "" if value <= COMPUTED else f"; computed was up to {COMPUTED:g} R"
-    if coefficient is None and size > case.tolerance:
+    if coefficient is None and size > seen.tolerance:
         why = f"missing: impactor.material; if the target is much stiffer, {why}"
         return rule.unjudged(why, value, threshold)
-    return rule.sized(case.tolerance, value, threshold, min(size, 1.0), why)
+    return rule.sized(seen.tolerance, value, threshold, min(size, 1.0), why)
 
 
 def settled(effect: Effect, problem: Problem) -> Effect:

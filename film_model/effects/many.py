@@ -154,13 +154,12 @@ def _gathered(members: list[tuple[int, Problem]], scene: Scene, columns: Mapping
     def column(name: str) -> Any:
         return np.array([getattr(problem, name) for problem in problems])
 
-    scales = {name: np.array([getattr(problem.scales, name) for problem in problems]) for name in vars(first.scales)}
     given = tuple(np.array(values) for values in zip(*(problem.given for problem in problems), strict=True))
     names = ("gamma", "load", "damping", "approach", "drift", "share", "mass")
     return replace(
         first,
         impacts=Impacts.several(scene, _law_of_all(problems), index, _picked(columns, index)),
-        scales=type(first.scales)(**scales),
+        scales=type(first.scales)(*map(np.array, zip(*(problem.scales for problem in problems), strict=True))),
         given=given,
         **{name: column(name) for name in names},
     )

@@ -31,7 +31,7 @@ def hindered(problem: Problem) -> str:
 
 def _relaxes(scene: Scene) -> bool:
     bodies = (scene.impactor.material, scene.target.material)
-    return scene.effects.viscoelasticity is not False and any(m is not None and m.prony is not None for m in bodies)
+    return scene.effects.viscoelasticity is not False and any([m is not None and m.prony is not None for m in bodies])
 
 
 def damped(problem: Problem) -> tuple[Problem, Any]:

@@ -35,24 +35,24 @@ def adhesion(case: Case, rule: Rule) -> Effect:
 
     parting = JKR_LOSS * (work**5 * _radius_of_parting(case, modulus) ** 4 / modulus**2) ** (1.0 / 3.0)
     value = scene.approach_velocity / max(math.sqrt(2.0 * parting / scene.effective_mass), 1e-300)
-    left = case.restitution**2 - value**-2
-    size = 1.0 if left <= 0.0 else case.restitution / math.sqrt(left) - 1.0
+    left = case.seen.restitution**2 - value**-2
+    size = 1.0 if left <= 0.0 else case.seen.restitution / math.sqrt(left) - 1.0
     size = max(min(size, 1.0), value**-2)
     what = "the velocity below which the ball sticks" if left > 0.0 else "the sticking velocity: the ball sticks"
     origin = "the given work of adhesion"
     if scene.contact.work_of_adhesion is None:
         origin = f"at most {work:.2g} J/m^2 from the surface energies of both materials"
     why = f"the impact is at {value:.3g} times {what}, with {origin}"
-    return rule.sized(case.tolerance, value, value * math.sqrt(size / case.tolerance), size, why, below=True)
+    return rule.sized(case.seen.tolerance, value, value * math.sqrt(size / case.seen.tolerance), size, why, below=True)
 
 
 def _radius_of_parting(case: Case, modulus: float) -> float:
     """The radius of the contact that opens, m: R, or of a dent F = (4/3) E √R_p (δ_m − δ_f)^{3/2}."""
     radius = case.scene.effective_radius
-    recovered = case.indentation - case.problem.trial.summary.permanent_indentation * case.problem.scales.length
-    if case.fraction <= YIELDS or not recovered > 0.0:
+    recovered = case.seen.indentation - case.problem.trial.summary.permanent_indentation * case.problem.scales.length
+    if case.seen.fraction <= YIELDS or not recovered > 0.0:
         return radius
-    return max(radius, (case.force / (hertz_stiffness(modulus, 1.0) * recovered**1.5)) ** 2)
+    return max(radius, (case.seen.force / (hertz_stiffness(modulus, 1.0) * recovered**1.5)) ** 2)
 
 
 def material_damping(case: Case, rule: Rule) -> Effect:
@@ -86,26 +86,26 @@ def material_damping(case: Case, rule: Rule) -> Effect:
     total = sum(soft.values()) if len(soft) == len(bodies) or modulus is None else 1.0 / modulus
     value = scene.loss_factor or 0.0
     own = loss_restitution(value)
-    share, left = 1.0 - own**2, case.restitution * own
+    share, left = 1.0 - own**2, case.seen.restitution * own
     why = f"the materials dissipate {100 * share:.2g} % of the elastic energy"
-    why += "" if case.vibrates else f": restitution about {left:.2g}"
-    size = share * (1.0 - case.fraction)
+    why += "" if case.seen.vibrates else f": restitution about {left:.2g}"
+    size = share * (1.0 - case.seen.fraction)
     if missing:
         given = sum(soft[part] for part in known) / total
-        if size <= case.tolerance and given < 0.9:
+        if size <= case.seen.tolerance and given < 0.9:
             return rule.unjudged(f"missing: {missing[0]}.material.loss_factor; without it, {why}", value)
         why += f"; the loss factor of the {missing[0]} is not given and taken as 0"
-    return rule.sized(case.tolerance, value, 0.5 * case.tolerance / LOSS_SLOPE, size, why)
+    return rule.sized(case.seen.tolerance, value, 0.5 * case.seen.tolerance / LOSS_SLOPE, size, why)
 
 
 def heating(case: Case, rule: Rule) -> Effect:
     """Plastic work over the hemisphere (2/3) π a³ under the contact; a warning above 300 K. Softening is left out."""
     hot = 300.0  # K: by Johnson & Cook's (ΔT/1500 K)^1.03 of 4340 steel, it takes a fifth of the strength
     steel_heat = 3.6e6  # of steel per volume, J/(m³ K): 460 J/(kg K) at 7850 kg/m³
-    if case.fraction <= YIELDS:
+    if case.seen.fraction <= YIELDS:
         return rule.absent("nothing yields")
-    radius = own_radius(case.problem, case.force, case.indentation)
-    value = case.fraction * case.energy / (2.0 / 3.0 * math.pi * radius**3)
+    radius = own_radius(case.problem, case.seen.force, case.seen.indentation)
+    value = case.seen.fraction * case.seen.energy / (2.0 / 3.0 * math.pi * radius**3)
     rise = value / steel_heat
     why = f"the plastic work would heat steel under the contact by {rise:.2g} K"
     if rise > hot:
@@ -134,29 +134,31 @@ def fracture(case: Case, rule: Rule) -> Effect:
         if unknown:
             return rule.unjudged(f"missing: {_BRITTLE} of " + " and ".join(unknown))
         return rule.absent(f"no body is brittle: none has a {_BRITTLE}")
-    radius = own_radius(case.problem, case.force, case.indentation)
+    radius = own_radius(case.problem, case.seen.force, case.seen.indentation)
     indicator, value, why, then = max((_failing(body, case, radius) for body in brittle), key=lambda found: found[1])
     rule = rule._replace(indicator=indicator)
     if value <= 1.0:
-        return rule.sized(case.tolerance, value, 1.0, 0.0, why)
+        return rule.sized(case.seen.tolerance, value, 1.0, 0.0, why)
     return rule.failing(f"{why}: {then}", value, 1.0)
 
 
 def _failing(body: Material, case: Case, radius: float) -> tuple[str, float, str, str]:
     """Indicator of a brittle body's failure, its value (1: it fails), a sentence, and what happens above 1."""
     crushed = 3.0  # mean pressure that crushed material is taken to bear below a ball, over its uniaxial strength
-    name, value = body.name or "the brittle body", float(failure(factors(body), case.force, radius))
+    name, value = body.name or "the brittle body", float(failure(factors(body), case.seen.force, radius))
     if body.crushing_strength is None:
-        return *_cracking(body, name, case.force, radius, value), "it may crack"
-    pressure = case.force / (math.pi * radius**2)
+        return *_cracking(body, name, case.seen.force, radius, value), "it may crack"
+    pressure = case.seen.force / (math.pi * radius**2)
     why = (
         f"the mean pressure, {format_si(pressure, 'pressure', 3)}, is {value:.3g} times the crushing strength of {name}"
     )
     weight = case.problem.impacts.numbers.weight
-    stopping = math.sqrt(4.0 * math.pi * case.scene.effective_radius * crushed * body.crushing_strength * case.energy)
+    stopping = math.sqrt(
+        4.0 * math.pi * case.scene.effective_radius * crushed * body.crushing_strength * case.seen.energy
+    )
     bound = weight + math.hypot(weight, stopping)
     then = "it crushes" if value > crushed else "it begins to crush"
-    if bound < case.force:
+    if bound < case.seen.force:
         most = format_si(bound, "force", 3)
         then += f", and the force is at most about {most} if what is crushed bears {crushed:g} times that strength"
     return "mean pressure/crushing strength", value, why, then

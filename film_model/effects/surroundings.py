@@ -32,7 +32,7 @@ def air_drag(case: Case, rule: Rule) -> Effect:
     reached, given = (format_si(speed, "velocity", 2) for speed in (slowed * ball.path_speed, ball.path_speed))
     if reached != given:
         why += f", and from this height reaches {reached}, not {given}: give the velocity"
-    return rule.sized(case.tolerance, value, None, 1.0 - slowed**2, why)
+    return rule.sized(case.seen.tolerance, value, None, 1.0 - slowed**2, why)
 
 
 def terminal_velocity(mass: float, radius: float) -> float:
@@ -93,15 +93,15 @@ def squeeze_film(case: Case, rule: Rule) -> Effect:
         viscosity,
         math.inf if modulus is None else modulus,
         height or 0.0,
-        case.restitution,
+        case.seen.restitution,
     )
     by = "the roughness" if height and gap == height else "elastic flattening"
     why = f"the fluid is squeezed out up to a gap of {format_si(gap, 'length', 3)}, where {by} ends it"
     # Joseph et al. 2001 (J. Fluid Mech.) saw no rebound from a wall in a liquid
     if stokes <= 10.0:
         why += "; no ball has been seen to rebound in a liquid below a Stokes number of about 10"
-    threshold = stokes * share / case.tolerance if share < 1.0 else None
-    return rule.sized(case.tolerance, stokes, threshold, share, why, below=True)
+    threshold = stokes * share / case.seen.tolerance if share < 1.0 else None
+    return rule.sized(case.seen.tolerance, stokes, threshold, share, why, below=True)
 
 
 def roughness(case: Case, rule: Rule) -> Effect:
@@ -115,12 +115,9 @@ def roughness(case: Case, rule: Rule) -> Effect:
     height = case.scene.contact.roughness
     if height is None:
         return rule.unjudged("missing: contact.roughness")
-    value = height / case.indentation
-    why = (
-        # Greenwood, Johnson & Matsubara 1984, Wear 100:47
-        f"the indentation of {format_si(case.indentation, 'length', 3)} is {1.0 / value:.3g} times the height of the "
-        f"roughness; up to α = 0.05 Hertz's pressure is right to 7 %"
-        if height > 0.0
-        else "the surfaces are given as smooth"
-    )
-    return rule.sized(case.tolerance, value, case.tolerance, value, why)
+    value, depth = height / case.seen.indentation, format_si(case.seen.indentation, "length", 3)
+    why = "the surfaces are given as smooth"
+    if height > 0.0:  # Greenwood, Johnson & Matsubara 1984, Wear 100:47
+        why = f"the indentation of {depth} is {1.0 / value:.3g} times the height of the roughness; "
+        why += "up to α = 0.05 Hertz's pressure is right to 7 %"
+    return rule.sized(case.seen.tolerance, value, case.seen.tolerance, value, why)

@@ -31,8 +31,8 @@ def change(full: Problem, without: Problem) -> Any:
     """
     p, q = full.scales, without.scales
     units = q.length / p.length, q.force / p.force, q.time / p.time, q.velocity / p.velocity
-    tried = ((each.trial.status, each.start, core_of(each.trial.summary)) for each in (full, without))
-    return solving.change(*tried, units)
+    (status, a), (other, b) = full.trial, without.trial
+    return solving.change((status, full.start, core_of(a)), (other, without.start, core_of(b)), units)
 
 
 def few(problem: Problem) -> bool:

@@ -37,7 +37,7 @@ def impedance_of(scene: Scene, yielding: bool) -> Any:
     impact, or of a scene with arrays. yielding: the law yields."""
     if scene.effective_modulus is None or scene.nose is not None:
         return math.inf
-    impedance = scene.target.radiation_impedance(duration(scene))
+    impedance = scene.target.radiation_impedance(elastic_impact(scene)[0])
     ratio = yield_velocities(scene) if yielding else None
     if ratio is not None:
         # Z rises beyond this ratio of approach to yield velocity
@@ -45,21 +45,14 @@ def impedance_of(scene: Scene, yielding: bool) -> Any:
     return either(scene.approach_velocity > 0.0, impedance, math.inf)
 
 
-def duration(scene: Scene) -> Any:
-    """2.943 (5 m/(4 K))^{2/5} V^{-1/5} of the elastic impact, s; nan if the effective modulus is unknown."""
-    softness = 1.25 * scene.effective_mass / _stiffness(scene)
-    return HERTZ_TIME * softness**0.4 * greater(scene.approach_velocity, 1e-300) ** -0.2
-
-
-def largest_force(scene: Scene) -> Any:
-    """K (5 m V²/(4 K))^{3/5} of the elastic impact, N; nan if the effective modulus is unknown."""
-    stiffness = _stiffness(scene)
-    return stiffness * (2.5 * scene.kinetic_energy / stiffness) ** 0.6
-
-
-def _stiffness(scene: Scene) -> Any:
+def elastic_impact(scene: Scene) -> tuple[Any, Any]:
+    """Contact time 2.943 (5 m/(4 K))^{2/5} V^{-1/5} [s] and largest force K (5 m V²/(4 K))^{3/5} [N] of the elastic
+    impact; nan if the effective modulus is unknown."""
     modulus = math.nan if scene.effective_modulus is None else scene.effective_modulus
-    return hertz_stiffness(modulus, scene.effective_radius)
+    stiffness = hertz_stiffness(modulus, scene.effective_radius)
+    softness = 1.25 * scene.effective_mass / stiffness
+    duration = HERTZ_TIME * softness**0.4 * greater(scene.approach_velocity, 1e-300) ** -0.2
+    return duration, stiffness * (2.5 * scene.kinetic_energy / stiffness) ** 0.6
 
 
 def felt(impacts: Impacts) -> Any:
@@ -100,9 +93,10 @@ def radiating(problem: Problem) -> tuple[Problem, Any]:
     if made is None:
         return problem, False
     scene = problem.impacts.scene
-    most = HERTZ_SQUARE * largest_force(scene) ** 2.0 * duration(scene) / (made.impedance * scene.kinetic_energy)
+    duration, force = elastic_impact(scene)
+    most = HERTZ_SQUARE * force**2.0 * duration / (made.impedance * scene.kinetic_energy)
     # an impact that yields radiates less than the elastic one, and no other value changes as much
-    doubtful = either(pressed(problem), False, most > 0.9 * problem.scene.effect_tolerance)
+    doubtful = either(_pressed(problem, force), False, most > 0.9 * problem.scene.effect_tolerance)
     if not problem.impacts.many:
         return made, doubtful and matters(made, problem)
     return made, matters(made, problem, where=column(doubtful, problem.approach.size))
@@ -119,7 +113,12 @@ def with_waves(problem: Problem) -> Problem | None:
 
 def pressed(problem: Problem) -> Any:
     """Whether the weight makes impacts last longer than their velocities say."""
-    return problem.load * problem.scales.force > MOST_WEIGHT * largest_force(problem.impacts.scene)
+    return _pressed(problem, elastic_impact(problem.impacts.scene)[1])
+
+
+def _pressed(problem: Problem, force: Any) -> Any:
+    """The same from the largest elastic force."""
+    return problem.load * problem.scales.force > MOST_WEIGHT * force
 
 
 def remarks(problem: Problem) -> tuple[str, ...]:

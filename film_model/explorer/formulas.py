@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 from types import SimpleNamespace
 from typing import Any, ClassVar, cast
 
@@ -58,7 +58,7 @@ RATE_LAW = tuple(f"rate_{name}" for name in RateHardening._fields)
 LEAST_RESTITUTION = 0.1
 """Of a damped law on the page: below it, the series for its damping converges slowly."""
 
-_SCALES = tuple(f.name for f in fields(Scales))
+_SCALES = Scales._fields
 _OF_LAW = ("widening", "elastic_share", "softer_curvature", "strain_hardening_exponent", "yield_strength")
 _PROBLEM = ("gamma", "load", "damping", "approach", "drift", "share", "mass")
 _START = ("approach", "gamma", "load", "stop_velocity", "limit", "damping")
@@ -101,7 +101,7 @@ def numbers_function(template: Scene, paths: Sequence[str]) -> str:
     outputs["yields_light"] = reaches_yield(replace_effects(scene, Effects(gravity=False)))
     outputs["loss_restitution"] = 1.0 if scene.loss_factor is None else loss_restitution(scene.loss_factor)
     outputs["waves"], outputs["waves_yielding"] = (wave_losses.impedance_of(scene, yields) for yields in (False, True))
-    outputs |= {"zener": zener(scene, numbers.impedance), "largest_force": wave_losses.largest_force(scene)}
+    outputs |= {"zener": zener(scene, numbers.impedance), "largest_force": wave_losses.elastic_impact(scene)[1]}
     outputs |= {f"steep{k}": large_slope.change_of(scene, k * numbers.weight) for k in (0, 1)}
     outputs |= {"family": family_number(scene), "yield_velocities": yield_velocities(scene)}
     for body in ("impactor", "target"):
@@ -155,7 +155,7 @@ def problem_function(template: Scene, law: AbstractLaw, fixed: frozenset[str], l
     damping: Any = 1.0
     if "restitution" in live:
         damping = _damping_over(law, recording.symbol(own_entry("restitution")))
-    impacts = Impacts(template, SceneLaw(Scaled(law, unknown, damping), {}, None, {}), _numbers(recording))
+    impacts = Impacts(template, SceneLaw(Scaled(law, unknown, damping), {}, None, {}), _numbers(recording), template)
     problem = impacts.problem(recording.symbol("impedance"), recording.symbol("load"))
     outputs = {entry: getattr(problem.scales, entry) for entry in (*_SCALES, "energy")}
     outputs |= {entry: getattr(problem, entry) for entry in (*_PROBLEM, *_START)}
@@ -255,7 +255,7 @@ def _problem(
     strength = either(own["yield_strength"] > 0.0, own["yield_strength"], numbers["yield_strength"])
     own["yield_strength"] = either(strength < math.inf, strength, math.nan)  # a missing entry is infinite in formulas
     law = SceneLaw(cast("Any", None), own, None, {})
-    impacts = Impacts(template, law, _numbers(recording), varied=varied)
+    impacts = Impacts(template, law, _numbers(recording), varied)
     values: dict[str, Any] = {**recording.symbols(owner, _PROBLEM), "given": (1.0, 0.0, 0.0), "damping": float(damped)}
     return Problem(impacts, cast("Any", None), curve, scales, **values, free=template.target.free, vibrates=vibrates)
 

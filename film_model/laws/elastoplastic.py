@@ -144,7 +144,7 @@ class Plastic:
 
     def radius_of(self, now: Pressed, w: Any) -> Any:
         """α."""
-        flat, sunk = (1.0 - (1.0 - end) * now.reached for end in (FLATTENED, SUNK))
+        flat, sunk = 1.0 - (1.0 - FLATTENED) * now.reached, 1.0 - (1.0 - SUNK) * now.reached
         half = 0.5 * self.share * now.pressure * (sunk * now.widening - flat)
         return (now.widening * w + half * half) ** 0.5 - half
 
@@ -249,18 +249,20 @@ class Elastoplastic(AbstractLaw):
     softer_curvature: float = 0.0
 
     def __post_init__(self) -> None:
-        strain = self.yield_strength / self.effective_modulus
+        strain, n = self.yield_strength / self.effective_modulus, self.strain_hardening_exponent
+        share, curvature = self.elastic_share, self.softer_curvature
+        known = (strain >= LEAST_YIELD_STRAIN) & (strain < MOST_YIELD_STRAIN) & (n >= 0.0) & (n <= MOST_EXPONENT)
+        if all_of(known & (share >= 0.0) & (share <= MOST_SHARE) & (curvature >= 0.0) & (curvature <= 1.0)):
+            return
         if not all_of(strain < MOST_YIELD_STRAIN):
             raise ValueError(f"law elastoplastic: S_y/E is {np.max(strain):.3g}; it must be below {MOST_YIELD_STRAIN}")
         if not all_of(strain >= LEAST_YIELD_STRAIN):
             raise ValueError(f"law elastoplastic: S_y/E is {np.min(strain):.3g}; least is {LEAST_YIELD_STRAIN:g}")
-        n = self.strain_hardening_exponent
         if not all_of((n >= 0.0) & (n <= MOST_EXPONENT)):
             raise ValueError(f"law elastoplastic: the strain hardening exponent must be from 0 to {MOST_EXPONENT}")
-        if not all_of((self.elastic_share >= 0.0) & (self.elastic_share <= MOST_SHARE)):
+        if not all_of((share >= 0.0) & (share <= MOST_SHARE)):
             raise ValueError(f"law elastoplastic: the elastic share must be from 0 to {MOST_SHARE}")
-        if not all_of((self.softer_curvature >= 0.0) & (self.softer_curvature <= 1.0)):
-            raise ValueError("law elastoplastic: the softer body's part of the curvature must be from 0 to 1")
+        raise ValueError("law elastoplastic: the softer body's part of the curvature must be from 0 to 1")
 
     @property
     def shape(self) -> float:

@@ -16,7 +16,7 @@ from typing import Any, ClassVar, Literal
 
 import numpy as np
 
-from film_model.base.arrays import Array
+from film_model.base.arrays import Array, all_of
 from film_model.base.errors import shown
 
 Family = Literal["elastic", "yields", "spring", "measured", "damped", "adhesive"]
@@ -237,8 +237,8 @@ class AbstractLaw(ABC):
     @classmethod
     def over_strength(cls, strength: Any) -> dict[str, Any]:
         """The own parameters that are multiples of the strength of the body that yields."""
-        factors = {name: parameter.over_strength for name, parameter in cls.parameters.items()}
-        return {name: factor * strength for name, factor in factors.items() if factor is not None}
+        own = cls.parameters.items()
+        return {name: each.over_strength * strength for name, each in own if each.over_strength is not None}
 
     @classmethod
     def settle(cls, values: dict[str, Any]) -> dict[str, str]:
@@ -274,9 +274,10 @@ def wrong_restitution(values: Mapping[str, Any], other: str | None = None) -> di
     restitution = values.get("restitution")
     if other is not None and (restitution is None) == (values.get(other) is None):
         return {other: f"give restitution or {other}" + ("" if restitution is None else ", not both")}
-    given = np.atleast_1d(() if restitution is None else restitution)
-    wrong = given[~((given > 0.0) & (given <= 1.0))]
-    return {"restitution": f"{wrong[0]:g} must be above 0 and at most 1"} if wrong.size else {}
+    if restitution is None or all_of((restitution > 0.0) & (restitution <= 1.0)):
+        return {}
+    given = np.atleast_1d(restitution)
+    return {"restitution": f"{given[~((given > 0.0) & (given <= 1.0))][0]:g} must be above 0 and at most 1"}
 
 
 SCENE_FIELDS = {

@@ -30,7 +30,7 @@ BRITTLE = ("crushing_strength", "fracture_toughness", "tensile_strength")
 def bodies(scene: Scene) -> list[Material]:
     """The materials of a scene that are brittle."""
     given = (scene.impactor.material, scene.target.material)
-    return [m for m in given if m is not None and any(getattr(m, name) is not None for name in BRITTLE)]
+    return [m for m in given if m is not None and any([getattr(m, name) is not None for name in BRITTLE])]
 
 
 def factors(body: Material | None) -> tuple[Any, Any]:

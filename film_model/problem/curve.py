@@ -38,7 +38,7 @@ class Curve:
     stages: tuple[Stage, ...] = field(repr=False, compare=False)
     page: Page | None = field(default=None, repr=False, compare=False)
 
-    @property
+    @cached_property
     def unloading_ratio(self) -> int:
         """Unloading segments per loading segment.
 
@@ -75,12 +75,12 @@ class Curve:
         """Where the restitution on a fixed target rises with velocity."""
         return rises(self.native, self.unloading_ratio)
 
-    @property
+    @cached_property
     def pulls(self) -> bool:
         """Whether the force may be negative."""
         return self.native.pull > 0.0
 
-    @property
+    @cached_property
     def reversible(self) -> bool:
         """Whether unloading retraces every stage, so that no dent is left."""
         return all(stage.unloading == native.RETRACE for stage in self.native.stage[: self.native.stages])

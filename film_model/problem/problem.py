@@ -54,27 +54,21 @@ class Impacts:
     """One impact, or many that share a law and a curve, before target motion and load are decided.
 
     base: the scene; of many impacts the one whose numbers they vary. law: with the scene's values. numbers: of the
-    scene. index: which rows of a sweep or batch the many are; None for one impact. columns: the numbers that vary,
-    path → SI values. varied: the scene with these arrays; None if nothing varies.
+    scene. scene: with arrays in place of the numbers that vary. index: which rows of a sweep or batch the many are;
+    None for one impact. columns: the numbers that vary, path → SI values.
     """
 
     base: Scene
     law: SceneLaw
     numbers: Numbers
+    scene: Scene
     index: Index | None = None
     columns: Mapping[str, Array] = field(default_factory=dict[str, Array])
-    varied: Scene | None = None
-    _laws: dict[str, Impacts] = field(default_factory=dict, repr=False, compare=False)
-    """The same impacts under other laws, by their names."""
-    _problems: dict[Any, Problem] = field(default_factory=dict, init=False, repr=False, compare=False)
 
     @classmethod
     def one(cls, scene: Scene, law: SceneLaw) -> Impacts:
         """One impact."""
-        made = cls(scene, law, Numbers.of(scene, None))
-        if isinstance(law.law, type):
-            made._laws[law.law.name] = made
-        return made
+        return cls(scene, law, Numbers.of(scene, None), scene)
 
     @classmethod
     def several(
@@ -82,17 +76,12 @@ class Impacts:
     ) -> Impacts:
         """Many impacts. varied: the scene with the columns, if it is made."""
         varied = varied or scene_of_columns(scene, columns)
-        return cls(scene, law, Numbers.of(varied, index.size), index, columns, varied)
+        return cls(scene, law, Numbers.of(varied, index.size), varied, index, columns)
 
     @property
     def many(self) -> bool:
         """Whether these are many impacts, and the numbers arrays."""
         return self.index is not None
-
-    @property
-    def scene(self) -> Scene:
-        """The scene, with arrays in place of the numbers that vary."""
-        return self.base if self.varied is None else self.varied
 
     def column(self, value: Any) -> Any:
         """A number of the scene: unchanged for one impact, an array with one value per impact for many."""
@@ -106,26 +95,15 @@ class Impacts:
         numbers = Numbers(*(values[places] for values in self.numbers))
         columns = {path: values[places] for path, values in self.columns.items()}
         varied = scene_of_columns(self.base, columns)
-        return Impacts(self.base, self.law.part(places), numbers, self.index[places], columns, varied)
+        return Impacts(self.base, self.law.part(places), numbers, varied, self.index[places], columns)
 
     def under(self, law: SceneLaw) -> Impacts:
         """The same impacts under another law."""
-        return Impacts(self.base, law, self.numbers, self.index, self.columns, self.varied, self._laws)
+        return Impacts(self.base, law, self.numbers, self.scene, self.index, self.columns)
 
     def named(self, law: str) -> Impacts:
         """The same impacts under the law of this name, with its values from the scene."""
-        if law not in self._laws:
-            self._laws[law] = self.under(law_named(self.scene, law))
-        return self._laws[law]
-
-    def at(self, impedance: Any, load: Any, compliance: Any = 0.0, vibrates: bool = False) -> Problem:
-        """As :meth:`problem`; that of one impact is made, and tried, once."""
-        given = impedance, load, compliance, vibrates
-        if self.index is not None:
-            return self.problem(*given)
-        if given not in self._problems:
-            self._problems[given] = self.problem(*given)
-        return self._problems[given]
+        return self.under(law_named(self.scene, law))
 
     @cached_property
     def zener(self) -> Any:
@@ -171,15 +149,14 @@ class Impacts:
 
     def _damping(self, scales: Scales) -> Any:
         """The factor of the law's damping, without units."""
-        mass, approach, length = self.numbers.mass, self.numbers.approach, scales.length
-
-        def factor(law: AbstractLaw, at: Any) -> tuple[Any, ...]:
-            return (law.damping_factor(mass[at], approach[at], length[at]),)
-
+        given = self.numbers.mass, self.numbers.approach, scales.length
         if self.index is None:
-            found = self.one_law.damping_factor(mass, approach, length)
+            found = self.one_law.damping_factor(*given)
         elif self.law.law.damped:
-            found = self.law.on_arrays(factor, self.index.size)[0]
+            several = self.law.on_arrays(
+                lambda law, at: (law.damping_factor(*(x[at] for x in given)),), self.index.size
+            )
+            found = several[0]
         else:
             return self.column(0.0)
         return found * scales.velocity / scales.force
@@ -254,6 +231,7 @@ class Problem:
     stretches: bool = False
     relaxation: Relaxation | None = None
     own: OwnCurves = OwnCurves()
+    _others: dict[Any, Problem] = field(default_factory=dict, init=False, repr=False, compare=False)
 
     @cached_property
     def scene(self) -> Scene:
@@ -262,19 +240,23 @@ class Problem:
 
     def again(self, law: str | AbstractLaw | None = None, **changed: Any) -> Problem:
         """The problem with another law, or law name, impedance, load or compliance; it is the same if nothing changes.
-        Of one impact these problems are made once, so that each is marched once."""
-        given = dict(zip(("impedance", "load", "compliance"), self.given, strict=True)) | changed
+        Of one impact these problems are kept, so that each is made and marched once."""
+        given = tuple((dict(zip(("impedance", "load", "compliance"), self.given, strict=True)) | changed).values())
         impacts = self.impacts
-        if law is not None:
-            impacts = impacts.named(law) if isinstance(law, str) else impacts.under(SceneLaw(law, {}, None, {}))
-        elif not (impacts.many or self.vibrates) and tuple(given.values()) == self.given:
+        if not (impacts.many or self.vibrates or law) and given == self.given:
             return self
-        return impacts.at(*given.values())
+        if impacts.many or isinstance(law, AbstractLaw):
+            own = impacts.under(SceneLaw(law, {}, None, {})) if isinstance(law, AbstractLaw) else impacts
+            return (impacts.named(law) if isinstance(law, str) else own).problem(*given)
+        if (law, given) not in self._others:
+            self._others[law, given] = (impacts.named(law) if law else impacts).problem(*given)
+        return self._others[law, given]
 
     def under(self, law: str) -> Problem:
         """The problem with the law of this name, whose target moves as this one's."""
-        made = self.impacts.named(law).at(*self.given, vibrates=self.vibrates)
-        return replace(made, stretches=True) if self.stretches else made
+        if not self.vibrates:
+            return self.again(law=law)
+        return replace(self.impacts.named(law).problem(*self.given, vibrates=True), stretches=self.stretches)
 
     def part(self, places: Any) -> Problem:
         """Some of many impacts, by their indices or by a mask."""

@@ -7,15 +7,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
-from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 from film_model.base.arrays import Number, root
 from film_model.laws.law import AbstractLaw
 
 
-@dataclass(frozen=True)
-class Scales:
+class Scales(NamedTuple):
     """Units of the march in SI: length δ_s, force F_s, time t_s = √(m δ_s/F_s), velocity δ_s/t_s."""
 
     length: Number

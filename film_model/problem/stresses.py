@@ -31,12 +31,12 @@ def plastic_contact(impacts: Impacts) -> Plastic | None:
     """
     scene, strength = impacts.scene, impacts.yield_strength
     names = ("poissons_ratio", "strain_hardening_exponent", "elastic_share", "softer_curvature")
-    poisson, *beside = (impacts.law.value(name) for name in names)
+    poisson, *beside = map(impacts.law.value, names)
     poisson = scene.poissons_ratio if poisson is None else poisson
     if strength is None or poisson is None or scene.effective_modulus is None:
         return None
     strain = scaled_strain(strength / scene.effective_modulus, poisson)
-    exponent, share, curvature = (0.0 if value is None else value for value in beside)
+    exponent, share, curvature = [0.0 if value is None else value for value in beside]
     return Plastic(strain, exponent, share, curvature=curvature)
 
 

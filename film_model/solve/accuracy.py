@@ -2,11 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Any, Literal, TypeAlias
+from typing import Literal, TypeAlias
 
-import numpy as np
-
-from film_model.base.arrays import Number
 from film_model.base.errors import STATUSES, CoreError
 from film_model.core import native, solving
 from film_model.problem.problem import Problem, refuse_relaxation
@@ -59,16 +56,11 @@ def mesh_for(problem: Problem, solver: Solver) -> tuple[tuple[int, int], native.
     return counts, mesh_of(solver, counts)
 
 
-def first_segments(damping: Number, least: int = FIRST_SEGMENTS) -> Any:
-    """Segments of the first trial: more for strong damping, which stops the impactor early in the stage."""
-    return least * 2 ** np.minimum(np.log2(1.0 + damping), 8.0).astype(int)
-
-
 def refine(problem: Problem, solver: Solver, warnings: list[str]) -> tuple[tuple[int, int], float]:
     """Segment counts of one impact that meet the accuracy, doubled until meshes agree, and the error estimate."""
     assert solver.accuracy is not None
     refuse_relaxation(problem, "a march on lines")
-    curve, first = problem.curve, problem.curve.segments(int(first_segments(problem.damping)) // 2)
+    curve, first = problem.curve, problem.curve.segments(solving.first_segments(problem.damping, FIRST_SEGMENTS // 2))
     given = curve.native, problem.start, line_kind(solver), first, solver.accuracy, curve.clearance
     status, found = solving.solve(*given)
     raise_failure(status, problem)

@@ -11,12 +11,12 @@ from numpy.typing import NDArray
 from film_model.base.arrays import Array, Index, Mask, all_of, any_of
 from film_model.core import native
 from film_model.core.columns import Columns
-from film_model.core.solving import MOST_LINES, MOST_SEGMENTS, bound_coarse, bound_fine
+from film_model.core.solving import MOST_LINES, MOST_SEGMENTS, bound_coarse, bound_fine, first_segments
 from film_model.laws.law import Power
 from film_model.problem.problem import Problem
 from film_model.problem.summary import difference, rounding
 from film_model.scene import Solver
-from film_model.solve.accuracy import first_segments, line_kind, mesh_of
+from film_model.solve.accuracy import line_kind, mesh_of
 from film_model.solve.relaxed import relax_many
 
 FIRST_SEGMENTS = 8

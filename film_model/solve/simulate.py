@@ -179,7 +179,7 @@ def _events(problem: Problem, names: list[str], times: Any, values: Any, branche
     """Events in SI. times: in the march's unit. values: the core's five there (`motion_of`). branches: after them."""
     times = times * problem.scales.time
     motion = problem.motion(times, values)
-    columns = (motion[name].tolist() for name in MOTION)
+    columns = [motion[name].tolist() for name in MOTION]
     return tuple(map(Event._make, zip(names, times.tolist(), stages_at(problem, branches), *columns, strict=True)))
 
 

@@ -18,11 +18,12 @@ from numpy.typing import NDArray
 from film_model.base.arrays import Array, Index, Mask
 from film_model.base.errors import SimulationError
 from film_model.core import native
+from film_model.core.solving import first_segments
 from film_model.effects.many import problems_of, rows_of
 from film_model.problem.problem import Problem
 from film_model.problem.summary import SUMMARY, summary_of
 from film_model.scene import Scene, Solver
-from film_model.solve.accuracy import first_segments, mesh_of
+from film_model.solve.accuracy import mesh_of
 
 STEP = 1e-3
 """Step over the number that is varied. The error of the differences is about STEP⁴/30 of a fifth derivative, and
@@ -176,7 +177,7 @@ class Meshes(NamedTuple):
             return cls((2 * solver.segments, solver.segments), of_coarse, math.inf)
         damping = max((float(np.max(problem.damping)) for problem in problems), default=0.0)
         wanted = math.ceil(72 * (TARGET / target) ** 0.25)  # 72 segments for `TARGET`
-        n = int(first_segments(damping, max(wanted, 4)))
+        n = first_segments(damping, max(wanted, 4))
         return cls((n, 2 * n), of_fine, target)
 
 

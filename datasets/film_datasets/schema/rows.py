@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import csv
 from collections.abc import Iterator, Mapping
-from dataclasses import fields
 from pathlib import Path
 
 from film_datasets.schema.variable import BYTE, FLOAT, INTEGER, LONG, TEXT, Variable
@@ -44,7 +43,7 @@ _EACH: dict[str, Mapping[str, tuple[str, str]]] = {
     **{"oblique": OBLIQUE, "bounds": BOUNDS},
     **{"sensed": sensed.MOTION, "strain": sensed.STRAIN, "bounces": COLUMNS, "bodies": BODIES, "contacts": CONTACTS},
     "compared": {name: SUMMARY[name] for name in COMPARED},
-    "scales": {scale.name: (scale.name, "") for scale in fields(Scales)},
+    "scales": {name: (name, "") for name in Scales._fields},
 }
 """Tables for each row of which a row of the file stands: dimension and description by name."""
 

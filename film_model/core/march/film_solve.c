@@ -15,6 +15,9 @@ static const double STALLED = 0.7, SMALL = 1e-9, FALLS = 0.5;
 enum { SO_MANY = 3072 };
 static const double BETWEEN = 1e-4;
 
+/* By how many doublings strong damping raises the segments of the first trial at most. */
+static const double MOST_DOUBLINGS = 8.0;
+
 typedef double film_way[HALVINGS + 1][2];
 
 /* Indentation and velocity of an impactor pressed in by a load. */
@@ -51,6 +54,10 @@ static double apart(const film_curve *curve, const film_start *start, const film
     memcpy(way, finer, sizeof finer);
     *known = 1;
     return off;
+}
+
+void film_first_segments(int64_t count, const double *damping, int32_t least, int32_t *segments) {
+    for (int64_t i = 0; i < count; i++) segments[i] = least << (int)fmin(fmax(logb(1.0 + damping[i]), 0.0), MOST_DOUBLINGS);
 }
 
 int film_solve(const film_curve *curve, const film_start *start, const film_mesh *meshes, int32_t count, double accuracy,

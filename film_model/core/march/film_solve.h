@@ -31,6 +31,9 @@ FILM_API void film_bound_fine(const film_mesh *mesh, int by_three, int64_t count
 FILM_API void film_bound_coarse(const film_mesh *mesh, int64_t count, const film_start *start, const film_summary *coarse,
                                 const double *off, double *bound);
 
+/* segments[i]: of the first trial of a contact, at least `least`: more for strong damping, which stops the impactor early. */
+FILM_API void film_first_segments(int64_t count, const double *damping, int32_t least, int32_t *segments);
+
 /* One contact to an accuracy, on the lines that film_record records. level: which of the meshes. estimated: bound on the relative
  * error, as film_compare takes it, of every value. reached: 1 if it is at most the accuracy. */
 typedef struct {

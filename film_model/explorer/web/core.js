@@ -210,6 +210,13 @@ class Core {
     return this.view().getFloat64(this.counts, true);
   }
 
+  /** Segments of the first trial, at least so many. @param {number} damping @param {number} least */
+  firstSegments(damping, least) {
+    this.view().setFloat64(this.counts, damping, true);
+    this.c.film_first_segments(1n, this.counts, least, this.start);
+    return this.view().getInt32(this.start, true);
+  }
+
   /**
    * One contact on the first of meshes, each of twice the segments of the one before, that meets an accuracy; null: on the first.
    * @param {any} p problem @param {number} curve @param {string} line @param {number[]} counts of the first mesh

@@ -257,7 +257,7 @@ function marchOrThrow(problem, linearisation, counts) {
  */
 function solved(problem, { accuracy, segments, linearisation }) {
   const { first_segments: first, accuracy: usual } = DATA.constants;
-  const n = segments ?? (first / 2) * Math.min(2 ** Math.floor(Math.log2(1 + problem.p.damping)), 256);
+  const n = segments ?? CORE.firstSegments(problem.p.damping, first / 2);
   const counts = segments === null ? countsFor(problem, n) : [n, n];
   const goal = segments === null ? accuracy ?? usual : null;
   const solution = CORE.solve(problem.p, problem.curve, linearisation, counts, goal, problem.law.clearance);

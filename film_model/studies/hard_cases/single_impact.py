@@ -34,7 +34,7 @@ def problem_for(
     numbers = Numbers(mass, math.nan, velocity, impedance, drift=0.0, share=1.0, energy=energy)
     scene: Any = None  # never read: effects are not computed here
     return Problem(
-        impacts=Impacts(scene, SceneLaw(law, {}, None, {}), numbers),
+        impacts=Impacts(scene, SceneLaw(law, {}, None, {}), numbers, scene),
         law=law,
         curve=curve_of(law),
         scales=scales,

@@ -25,6 +25,7 @@ from film_model.scene import DEFAULT_ACCURACY, Scene
 from film_model.scene.columns import scene_of_columns
 from film_model.solve import structures, vibration
 from film_model.solve.accuracy import refine
+from film_model.solve.mode_formulas import MODES_FACTOR
 from film_model.solve.motions import modes_for
 from fmu_wrapper.variables import Kind
 
@@ -266,4 +267,4 @@ def _needs_more(choice: Choice, highest: float) -> bool:
     )
     found = differences(problem, half.summary, whole.summary)
     change = max(float(found[name]) for name in ("maximum_force", "maximum_indentation"))
-    return vibration.MODES_FACTOR * change > scene.effect_tolerance
+    return MODES_FACTOR * change > scene.effect_tolerance

@@ -56,6 +56,11 @@ def compliance(plate: Plate) -> float:
     return _library().film_plate_compliance(c.byref(plate))
 
 
+def around(reach: float) -> float:
+    """film_plate_around."""
+    return _library().film_plate_around(reach)
+
+
 def shear(plates: Array) -> Array:
     """The part of shear in that, of each plate; their numbers, one plate per row."""
     rows, found = np.ascontiguousarray(plates), np.empty(len(plates))

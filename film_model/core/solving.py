@@ -19,7 +19,7 @@ from film_model.base.arrays import Array
 from film_model.core import native
 from film_model.core.native import FULL, START_DTYPE, SUMMARY_DTYPE, Curve, Mesh, Solution, Start, Summary, at, library
 
-MOST_SEGMENTS, MOST_LINES = native.SOLVE.film("MOST_SEGMENTS", "MOST_LINES")
+MOST_SEGMENTS, MOST_LINES, VALUES = native.SOLVE.film("MOST_SEGMENTS", "MOST_LINES", "COMPARED")
 """Segments of loading, and lines of a contact, beyond which no mesh is refined."""
 
 
@@ -52,16 +52,23 @@ def estimate(
     return library().film_estimate(c.byref(curve), c.byref(start), meshes, clearance, c.byref(found)), found
 
 
-def compare(start: Any, a: Any, b: Any) -> Any:
+def compare(start: Any, a: Any, b: Any, vibrates: bool = False) -> Any:
     """Largest relative difference of two summaries of each contact: see film_solve.h."""
     if isinstance(b, Summary):
         found = c.c_double()
-        library().film_compare(1, c.byref(start), c.byref(a), c.byref(b), c.byref(found))
+        library().film_compare(1, c.byref(start), c.byref(a), c.byref(b), vibrates, c.byref(found))
         return found.value
     off = np.empty(len(start))
     start, tables = np.ascontiguousarray(start, START_DTYPE), [np.ascontiguousarray(t, SUMMARY_DTYPE) for t in (a, b)]
-    library().film_compare(len(start), start.ctypes.data, *(table.ctypes.data for table in tables), at(off))
+    library().film_compare(len(start), start.ctypes.data, *(table.ctypes.data for table in tables), vibrates, at(off))
     return off
+
+
+def differences(start: Start, a: Summary, b: Summary, vibrates: bool) -> list[float]:
+    """The same of one contact, value by value."""
+    found = (c.c_double * VALUES)()
+    library().film_differences(c.byref(start), c.byref(a), c.byref(b), vibrates, found)
+    return list(found)
 
 
 def first_segments(damping: Any, least: int) -> Any:

@@ -96,7 +96,7 @@ def radiating(problem: Problem) -> tuple[Problem, Any]:
     duration, force = elastic_impact(scene)
     most = HERTZ_SQUARE * force**2.0 * duration / (made.impedance * scene.kinetic_energy)
     # an impact that yields radiates less than the elastic one, and no other value changes as much
-    doubtful = either(_pressed(problem, force), False, most > 0.9 * problem.scene.effect_tolerance)
+    doubtful = either(pressed(problem), False, most > 0.9 * problem.scene.effect_tolerance)
     if not problem.impacts.many:
         return made, doubtful and matters(made, problem)
     return made, matters(made, problem, where=column(doubtful, problem.approach.size))
@@ -113,12 +113,12 @@ def with_waves(problem: Problem) -> Problem | None:
 
 def pressed(problem: Problem) -> Any:
     """Whether the weight makes impacts last longer than their velocities say."""
-    return _pressed(problem, elastic_impact(problem.impacts.scene)[1])
+    return problem.load * problem.scales.force > heaviest(problem.impacts.scene)
 
 
-def _pressed(problem: Problem, force: Any) -> Any:
-    """The same from the largest elastic force."""
-    return problem.load * problem.scales.force > MOST_WEIGHT * force
+def heaviest(scene: Scene) -> Any:
+    """Weight from which they do, N."""
+    return MOST_WEIGHT * elastic_impact(scene)[1]
 
 
 def remarks(problem: Problem) -> tuple[str, ...]:

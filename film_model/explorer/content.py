@@ -22,7 +22,6 @@ from film_model.effects.choose import Choice, choose
 from film_model.effects.effect import percent
 from film_model.effects.many import SURE
 from film_model.effects.rate_hardening import MOST_ROUNDS, SETTLED
-from film_model.effects.wave_losses import MOST_WEIGHT
 from film_model.explorer import formulas, support
 from film_model.explorer.formulas import LEAST_RESTITUTION
 from film_model.explorer.inputs import STRENGTH_ENTRIES, in_place_of, inputs_of, plate_inputs, with_exponents
@@ -46,7 +45,7 @@ from film_model.problem.model_intervals import (
     residuals_of,
 )
 from film_model.problem.problem import TRIAL_SEGMENTS
-from film_model.problem.summary import COMPARED, LEAST_GAIN, SUMMARY
+from film_model.problem.summary import COMPARED, SUMMARY
 from film_model.scene import DEFAULT_ACCURACY, DEFAULT_TOLERANCE, Scene, Sphere
 from film_model.scene.friction_table import FrictionTable
 from film_model.solve.accuracy import FIRST_SEGMENTS
@@ -84,9 +83,8 @@ class Content:
         free, fixed = _samples()
         texts = [*formulas.result_functions("Free", free), *formulas.result_functions("Fixed", fixed)]
         texts += formulas.vibrating_functions(fixed)
-        texts += [*formulas.hardening_functions(fixed), formulas.radius_function(fixed)]
-        texts += [formulas.gravity_function(fixed), formulas.mass_function()]
-        texts += formulas.hardness_functions()
+        texts += [*formulas.warning_functions(fixed), *formulas.hardening_functions(fixed)]
+        texts += [formulas.radius_function(fixed), formulas.gravity_function(fixed), *formulas.material_functions()]
         self._functions |= {text: text for text in texts}
 
     @property
@@ -319,8 +317,8 @@ def _constants() -> dict[str, Any]:
         **{"yields": YIELDS, "agreement": AGREEMENT, "accuracy": DEFAULT_ACCURACY, "tolerance": DEFAULT_TOLERANCE},
         **{"elastic": ELASTIC, "yielding": YIELDING, "damped": DAMPED, "steep": STEEP, "polymer": KINDS.index(POLYMER)},
         "brittle": KINDS.index(BRITTLE),
-        **{"least_restitution": LEAST_RESTITUTION, "least_gain": LEAST_GAIN},
-        **{"most_weight": MOST_WEIGHT, "compared": COMPARED},
+        "least_restitution": LEAST_RESTITUTION,
+        "compared": COMPARED,
         "vibration": support.constants(),
         "ritz": support.ritz_constants(),
         "friction": _friction(),

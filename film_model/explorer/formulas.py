@@ -30,7 +30,7 @@ from film_model.laws.example_ball import example_ball
 from film_model.laws.law import AbstractLaw, Stage, law_fields
 from film_model.laws.yielding import yield_velocity
 from film_model.oblique.friction import exact_error, numbers_of, results
-from film_model.problem.brittle import factors
+from film_model.problem.brittle import factors, failure
 from film_model.problem.curve import Curve
 from film_model.problem.families import EDGES, varying
 from film_model.problem.fit import functions_of
@@ -40,10 +40,11 @@ from film_model.problem.numbers import Numbers, zener
 from film_model.problem.problem import Impacts, Problem, Trial
 from film_model.problem.scales import Scales, motion_of
 from film_model.problem.stresses import contact_radius
-from film_model.problem.summary import radiated, summary_of
+from film_model.problem.summary import gains_energy, gains_from_weight, radiated, summary_of
 from film_model.scene import Effects, Scene
 from film_model.scene.columns import scene_of_columns
 from film_model.scene.rolling import Sliding, sliding_of
+from film_model.solve import mode_formulas
 from film_model.targets import AbstractTarget
 
 FROM_SCENE = (
@@ -101,7 +102,7 @@ def numbers_function(template: Scene, paths: Sequence[str]) -> str:
     outputs["yields_light"] = reaches_yield(replace_effects(scene, Effects(gravity=False)))
     outputs["loss_restitution"] = 1.0 if scene.loss_factor is None else loss_restitution(scene.loss_factor)
     outputs["waves"], outputs["waves_yielding"] = (wave_losses.impedance_of(scene, yields) for yields in (False, True))
-    outputs |= {"zener": zener(scene, numbers.impedance), "largest_force": wave_losses.elastic_impact(scene)[1]}
+    outputs |= {"zener": zener(scene, numbers.impedance), "heaviest": wave_losses.heaviest(scene)}
     outputs |= {f"steep{k}": large_slope.change_of(scene, k * numbers.weight) for k in (0, 1)}
     outputs |= {"family": family_number(scene), "yield_velocities": yield_velocities(scene)}
     for body in ("impactor", "target"):
@@ -117,32 +118,27 @@ def numbers_function(template: Scene, paths: Sequence[str]) -> str:
 
 
 def _changed(template: Scene, x: Mapping[str, Any]) -> Scene:
-    """The scene with entries by path. A hardness is that of the yield strength: see `hardness_functions`."""
+    """The scene with entries by path. A hardness is that of the yield strength: see `material_functions`."""
     return scene_of_columns(template, {path: value for path, value in x.items() if not path.endswith(".hardness")})
 
 
-def hardness_functions() -> list[str]:
-    """The strength at first yield from a hardness; whether it contradicts a yield strength."""
-    r = Recording()
+def material_functions() -> list[str]:
+    """The mass of a sphere from its radius and density; the strength at first yield from a hardness; whether that
+    contradicts a yield strength."""
+    r, material = Recording(), Material("", "1 Pa", 0.0, "1 kg/m^3")
+    object.__setattr__(material, "density", r.symbol("density"))
+    mass = sphere_mass(None, cast("Any", r.symbol("radius")), material)
     given = [r.symbol(name) for name in ("hardness", "exponent", "modulus")]
     strength = yield_of_flow(flow_of_hardness(given[0]), *given[1:])
     first = r.function("firstYield", "hardness, exponent, modulus", {"strength": strength})
     wrong = contradicts(given[0], r.symbol("strength"))
-    return [first, r.function("strengths", "hardness, strength", {"contradict": wrong})]
+    whole = r.function("sphereMass", "radius, density", {"mass": mass})
+    return [whole, first, r.function("strengths", "hardness, strength", {"contradict": wrong})]
 
 
 def replace_effects(scene: Scene, effects: Effects) -> Scene:
     """The scene, whose numbers may be symbols, with other effects."""
     return scene_of_columns(scene, cast("Any", {"effects": effects}))
-
-
-def mass_function() -> str:
-    """The mass of a sphere from its radius and density."""
-    recording = Recording()
-    material = Material("", "1 Pa", 0.0, "1 kg/m^3")
-    object.__setattr__(material, "density", recording.symbol("density"))
-    mass = sphere_mass(None, cast("Any", recording.symbol("radius")), material)
-    return recording.function("sphereMass", "radius, density", {"mass": mass})
 
 
 def problem_function(template: Scene, law: AbstractLaw, fixed: frozenset[str], live: Sequence[str]) -> str:
@@ -155,7 +151,12 @@ def problem_function(template: Scene, law: AbstractLaw, fixed: frozenset[str], l
     damping: Any = 1.0
     if "restitution" in live:
         damping = _damping_over(law, recording.symbol(own_entry("restitution")))
-    impacts = Impacts(template, SceneLaw(Scaled(law, unknown, damping), {}, None, {}), _numbers(recording), template)
+    impacts = Impacts(
+        template,
+        SceneLaw(Scaled(law, unknown, damping), {}, None, {}),
+        Numbers(**recording.symbols("n", Numbers._fields)),
+        template,
+    )
     problem = impacts.problem(recording.symbol("impedance"), recording.symbol("load"))
     outputs = {entry: getattr(problem.scales, entry) for entry in (*_SCALES, "energy")}
     outputs |= {entry: getattr(problem, entry) for entry in (*_PROBLEM, *_START)}
@@ -168,7 +169,10 @@ def problem_function(template: Scene, law: AbstractLaw, fixed: frozenset[str], l
 def example_function(law: type[AbstractLaw]) -> str:
     """The required parameters that a law derives from the values of a scene."""
     recording = Recording()
-    return recording.function("example", "n", {f"own_{key}": value for key, value in _example(recording, law).items()})
+    names = ("effective_modulus", "effective_radius", "flow_strength", "poissons_ratio", "mass", "approach")
+    numbers = recording.symbols("n", names)
+    given = law.example(example_ball(*(cast("Any", numbers[name]) for name in names)))
+    return recording.function("example", "n", {f"own_{key}": value for key, value in given.items()})
 
 
 def own_entry(name: str) -> str:
@@ -228,17 +232,6 @@ def _damping_over(law: AbstractLaw, restitution: Any) -> Any:
     return either(restitution < 1.0, factor, 0.0)
 
 
-def _example(recording: Recording, law: type[AbstractLaw]) -> Mapping[str, Any]:
-    """The required parameters that a law derives from the values of a scene."""
-    names = ("effective_modulus", "effective_radius", "flow_strength", "poissons_ratio", "mass", "approach")
-    numbers = recording.symbols("n", names)
-    return law.example(example_ball(*(cast("Any", numbers[name]) for name in names)))
-
-
-def _numbers(recording: Recording) -> Numbers:
-    return Numbers(**recording.symbols("n", Numbers._fields))
-
-
 def _problem(
     recording: Recording, owner: str, template: Scene, damped: bool = False, vibrates: bool = False
 ) -> Problem:
@@ -255,7 +248,7 @@ def _problem(
     strength = either(own["yield_strength"] > 0.0, own["yield_strength"], numbers["yield_strength"])
     own["yield_strength"] = either(strength < math.inf, strength, math.nan)  # a missing entry is infinite in formulas
     law = SceneLaw(cast("Any", None), own, None, {})
-    impacts = Impacts(template, law, _numbers(recording), varied)
+    impacts = Impacts(template, law, Numbers(**recording.symbols("n", Numbers._fields)), varied)
     values: dict[str, Any] = {**recording.symbols(owner, _PROBLEM), "given": (1.0, 0.0, 0.0), "damping": float(damped)}
     return Problem(impacts, cast("Any", None), curve, scales, **values, free=template.target.free, vibrates=vibrates)
 
@@ -276,29 +269,44 @@ def _tried(recording: Recording, owner: str, core: str, template: Scene) -> Prob
 
 def result_functions(suffix: str, template: Scene) -> list[str]:
     """Summary and motion in SI, for a free target or for the others."""
-    summaries = list[str]()
+    r, functions = Recording(), list[str]()
     for damped in (False, True):
-        r = Recording()
         outputs = summary_of(_problem(r, "p", template, damped), r.symbol("a.status"), _Core(r, "a"))
-        summaries.append(r.function(f"summary{suffix}{'Damped' * damped}", "p, a, n", outputs))
-    r = Recording()
-    p = _problem(r, "p", template)
-    values = [r.symbol(f"v[i + {k}]") for k in range(5)]
+        functions.append(r.function(f"summary{suffix}{'Damped' * damped}", "p, a, n", outputs))
+    p, values = _problem(r, "p", template), [r.symbol(f"v[i + {k}]") for k in range(5)]
     motion = motion_of(p.scales, p.drift, p.share, p.free, r.symbol("t"), values)
-    return [*summaries, r.function(f"motion{suffix}", "p, t, v, i", motion)]
+    return [*functions, r.function(f"motion{suffix}", "p, t, v, i", motion)]
+
+
+def warning_functions(template: Scene) -> list[str]:
+    """Whether an impact of the summary `s` gains energy, from its law and its weight; and when a brittle body fails."""
+    r = Recording()
+    p, summary = _problem(r, "p", template), r.symbols("s", ("coefficient_of_restitution", "energy_absorbed"))
+    gains = {"law": gains_energy(p, summary["energy_absorbed"]), "weight": gains_from_weight(p, summary)}
+    pressing, cracking, force, radius = map(r.symbol, ("pressing", "cracking", "force", "radius"))
+    indicator = failure((pressing, cracking), force, radius)
+    failing = r.function("failure", "pressing, cracking, force, radius", {"indicator": indicator})
+    return [r.function("gains", "p, s", gains), failing]
 
 
 def vibrating_functions(template: Scene) -> list[str]:
-    """The summary on a target that vibrates, with damping of the law and without; the energy given to it."""
-    functions = list[str]()
-    for damped in (False, True):
-        r = Recording()
-        problem = _problem(r, "p", template, damped, vibrates=True)
-        outputs = summary_of(problem, r.symbol("a.status"), _Core(r, "a"))
-        functions.append(r.function(f"summaryVibrating{'Damped' * damped}", "p, a, n", outputs))
-    r = Recording()
-    energy = radiated(_problem(r, "p", template), _Core(r, "a"))
-    return [*functions, r.function("radiated", "p, a", {"energy": energy})]
+    """Of an impact on a target that vibrates: the summary, with damping of the law and without, the energy given to it,
+    and the formulas of :mod:`film_model.solve.mode_formulas`."""
+    r, functions = Recording(), list[str]()
+    before, changed, shares, highest = map(r.symbol, ("before", "change", "shares", "highest"))
+    for damped, word in ((False, ""), (True, "Damped")):
+        problem, core = _problem(r, "p", template, damped, vibrates=True), _Core(r, "a")
+        outputs = summary_of(problem, r.symbol("a.status"), core)
+        functions.append(r.function(f"summaryVibrating{word}", "p, a, n", outputs))
+        bound = mode_formulas.error_of(damped, before, changed)
+        functions.append(r.function(f"error{word}", "before, change", {"bound": bound}))
+    problem, core = _problem(r, "p", template), _Core(r, "a")
+    rate, soft = mode_formulas.swiftness(problem, core, shares, highest), mode_formulas.softness(problem, core)
+    limit, least = mode_formulas.following(problem, core, r.symbol("compliance"), r.symbol("lowest"))
+    outputs = {"rate": rate, "share": mode_formulas.step_share(problem, core, rate), "soft": soft}
+    functions.append(r.function("swiftness", "p, a, shares, highest", outputs))
+    functions.append(r.function("following", "p, a, compliance, lowest", {"limit": limit, "least": least}))
+    return [*functions, r.function("radiated", "p, a", {"energy": radiated(problem, core)})]
 
 
 def hardening_functions(template: Scene) -> list[str]:
@@ -306,8 +314,7 @@ def hardening_functions(template: Scene) -> list[str]:
     r = Recording()
     tried = _tried(r, "p", "a", template)
     factor = r.function("strengthFactor", "p, a, n", {"factor": factor_at(tried, *tried.trial)})
-    r = Recording()
-    return [factor, r.function("absorbed", "p, a", {"share": absorbed(_tried(r, "p", "a", template))})]
+    return [factor, r.function("absorbed", "p, a", {"share": absorbed(tried)})]
 
 
 def gravity_function(template: Scene) -> str:

@@ -11,10 +11,8 @@ from collections.abc import Mapping
 from typing import Any
 
 from film_model.base.arrays import all_of, any_of, either, ratio, unwarned
-from film_model.core import native
+from film_model.core import native, solving
 from film_model.core.columns import Columns
-from film_model.core.solving import compare
-from film_model.core.solving import rounding as rounding_of
 from film_model.problem.problem import Problem
 from film_model.problem.stresses import stresses_of
 
@@ -42,20 +40,13 @@ SUMMARY: dict[str, tuple[str, str]] = {
 
 COMPARED = (
     *("maximum_force", "maximum_indentation", "time_of_maximum_indentation", "time_impactor_stops"),
-    *("contact_duration", "permanent_indentation", "final_velocity", "work"),
+    *("contact_duration", "permanent_indentation", "rebound_velocity", "energy_absorbed"),
 )
-"""Values of the core's summary that :func:`difference` compares."""
-
-FLAT = 10.0
-"""On vibrating targets an error of the time of the largest indentation counts this many times less: vibrations that
-hardly change the force move its flat maximum. Where the force is known to 1e-4, the indentation is within 1e-4 of the
-largest for 1e-2 of the contact time; where it is known to 1e-6, for 1e-3."""
+"""Values of the summary that the core compares, in the order of film_differences."""
 
 LEAST_GAIN = 1e-3
 """Energy that an impact has more than before, over its own, below which it may be a numerical error: accuracies
 are seldom above 1e-3."""
-
-_SHOWN = {"final_velocity": "rebound_velocity", "work": "energy_absorbed"}  # the core's names → those of `SUMMARY`
 
 
 def summary_of(problem: Problem, status: Any, core: Any) -> dict[str, Any]:
@@ -134,29 +125,15 @@ def radiated_energy(problem: Problem, core: Any) -> Any:
 
 
 def difference(problem: Problem, a: Any, b: Any) -> Any:
-    """Largest relative difference of two summaries, relative to `b`: film_compare in film_solve.h; see `FLAT`."""
-    one = core_of(a)
-    if problem.vibrates:
-        known = b.time_of_maximum_indentation
-        time = known + (a.time_of_maximum_indentation - known) / FLAT
-        if isinstance(a, Columns):
-            one = one.copy()
-            one["time_of_maximum_indentation"] = time
-        else:
-            one = native.Summary.from_buffer_copy(one)
-            one.time_of_maximum_indentation = time
-    return compare(problem.start, one, core_of(b))
+    """Largest relative difference of two summaries, relative to `b`: film_compare in film_solve.h."""
+    return solving.compare(problem.start, core_of(a), core_of(b), problem.vibrates)
 
 
 def differences(problem: Problem, a: native.Summary, b: native.Summary) -> dict[str, float]:
-    """The same value by value, of one impact: each of `COMPARED` is taken from `a`, all others from `b`."""
-    found: dict[str, float] = {}
-    for name in COMPARED:
-        if name == "permanent_indentation" and (problem.damping > 0.0 or problem.curve.reversible):  # reported as 0
-            continue
-        mixed = native.Summary.from_buffer_copy(b)
-        setattr(mixed, name, getattr(a, name))
-        found[_SHOWN.get(name, name)] = difference(problem, mixed, b)
+    """The same value by value, of one impact, by the names of `COMPARED`."""
+    found = dict(zip(COMPARED, solving.differences(problem.start, a, b, problem.vibrates), strict=True))
+    if problem.damping > 0.0 or problem.curve.reversible:  # a permanent indentation is reported as 0
+        del found["permanent_indentation"]
     return found
 
 
@@ -166,7 +143,7 @@ def rounding(problem: Problem, summary: Any) -> Any:
     It is large where the summary is a small difference of large numbers: the velocity of a ball whose weight does more
     work than its impact, or an indentation beyond a deep clearance.
     """
-    return rounding_of(problem.curve.native, problem.start, core_of(summary), problem.curve.clearance)
+    return solving.rounding(problem.curve.native, problem.start, core_of(summary), problem.curve.clearance)
 
 
 def core_of(summary: Any) -> Any:

@@ -19,8 +19,8 @@ from film_model.base.errors import TooManyModes
 from film_model.core import chaining, native
 from film_model.problem.chain_contacts import ChainContact, speed_of
 from film_model.scene.chain import Chain, Link
+from film_model.solve.mode_formulas import FIRST_PHASE, error_of
 from film_model.solve.structures import ABOVE, MOST_MODES, rounded
-from film_model.solve.vibration import FIRST_PHASE, error_of
 from film_model.targets import AbstractTarget, Modes
 from film_model.targets.several import omitted, seen
 

@@ -30,6 +30,7 @@ from film_model.scene import DEFAULT_ACCURACY, Scene, Solver
 from film_model.scene.columns import scene_of_columns, scene_of_row
 from film_model.solve import structures, vibration
 from film_model.solve.closed_form import ClosedForm
+from film_model.solve.mode_formulas import error_of
 from film_model.solve.sensed import Peaks, quantities_of, replayed
 from film_model.solve.vibration import Vibration, vibrate
 
@@ -277,7 +278,7 @@ def _refined(
         fine = run.core
         if k > 0:
             change = difference(problem, Columns(coarse), Columns(fine))
-            errors = vibration.error_of(problem.law.damped, before, change) + steps
+            errors = error_of(problem.law.damped, before, change) + steps
             done = (errors <= accuracy) & (run.status >= 0)
             status[left[done]], core[left[done]], estimated[left[done]] = (
                 run.status[done],

@@ -3,7 +3,7 @@
 They are differences of fourth order of whole impacts, one by one. With the same modes, or for a number of the target
 with as many modes, and with the same tolerance the summary is smooth to much less than the tolerance of a step. What
 remains is the error of the omitted modes, or that of the tolerance. It is estimated from three runs, as that of the
-summary itself (:func:`film_model.solve.vibration.error_of`, :mod:`film_model.solve.relaxed`).
+summary itself (:func:`film_model.solve.mode_formulas.error_of`, :mod:`film_model.solve.relaxed`).
 """
 
 from __future__ import annotations
@@ -26,6 +26,7 @@ from film_model.problem.relaxation import relaxation_of
 from film_model.problem.summary import SUMMARY, summary_of
 from film_model.scene.columns import scene_of_columns
 from film_model.solve import relaxed, structures, vibration
+from film_model.solve.mode_formulas import error_of
 from film_model.solve.slopes import SMOOTH, STENCILS, Pairs, Slopes, applied, kinked
 from film_model.solve.vibration import Vibration
 from film_model.targets import AbstractTarget
@@ -78,7 +79,7 @@ def slopes_on_modes(choice: Choice, pairs: Pairs, found: Vibration, accuracy: fl
     """
 
     def error(before: Array, change: Array) -> Array:
-        return vibration.error_of(choice.problem.law.damped, before, change)
+        return error_of(choice.problem.law.damped, before, change)
 
     slopes = Slopes.none(len(pairs.paths))
     for k, path in enumerate(pairs.paths):

@@ -19,26 +19,8 @@ from film_model.scene import DEFAULT_ACCURACY, Solver
 from film_model.solve import structures
 from film_model.solve.accuracy import raise_failure
 from film_model.solve.modal_motion import ModalMotion
+from film_model.solve.mode_formulas import MODES_FALL, error_of, following, softness, step_share, swiftness
 from film_model.targets import AbstractTarget
-
-LONGEST = 3.0
-"""Time limit over the sum of contact times on a fixed target and on the static stiffness, and the longest period."""
-
-MODES_FACTOR = 3.0
-"""Bound on the error of a run over its difference to a run with half the highest frequency.
-
-`benchmarks/random_structures.py` compares estimates with errors: of 400 impacts 397 have smaller ones.
-"""
-
-DAMPED_FACTOR = 5.0
-"""The same for damped laws, whose omitted compliance is a mode: their errors are up to 4 times the difference."""
-
-MODES_FALL = 8.0
-"""By how much doubling the highest frequency divides the error at least. If a difference falls by more, two runs may
-agree by chance: the estimate is then from the difference before. With 4 and with 12 as many errors are bounded."""
-
-DAMPED_FALL = 4.0
-"""The same for damped laws."""
 
 STEP = 0.03
 """Tolerance of a step over the requested accuracy. The error of a time or a slow rebound may be 40 times as large."""
@@ -53,12 +35,6 @@ FOLLOWED = 1.0
 """Rate at which contact follows the structure, over the highest frequency, from which on runs are compared: below it
 results converge. On 24 plates an accuracy of 1e-3 is reached at 0.04 to 0.12."""
 
-IMPULSES = 80.0
-"""Factor of the impulse that scales the tolerance of a step. With half or twice as much impacts take about as long."""
-
-SLOWEST = 1e-3
-"""Velocity of an impact without one, over δ_s/t_s, as in the core."""
-
 UNRESOLVED = 0.25
 """Highest frequency over that of the first run, below which the contact is not resolved and the scene is refused."""
 
@@ -72,9 +48,6 @@ a mode: a stiffer one rattles between the impactor and the others, thousands of 
 STALLED, LITTLE = 0.7, 0.1
 """Estimate over that with half the highest frequency, from which on results no longer converge if there is no mode in
 between and the omitted compliance is below `LITTLE` of the contact's: its mode only gets stiffer and rattles more."""
-
-FIRST_PHASE = 24.0
-"""Highest frequency of the first run times the time from touch to the deepest point."""
 
 _OUTCOMES = {native.EVENT: Outcome.SEPARATED, native.ENDLESS: Outcome.RESTING, native.OK: Outcome.TIME_LIMIT}
 _STATUSES = {outcome: status for status, outcome in _OUTCOMES.items()}
@@ -153,9 +126,9 @@ def vibrate(
     without a run, as long as contact follows modes near it quickly. If more modes are needed than are allowed, or all
     runs together would take more work, the result is that of the last run, and a warning gives the accuracy reached.
     """
-    unit = problem.scales.time
-    still, lowest, limit = _on_a_fixed_target(problem), structures.lowest_frequency(target), time_limit(problem, target)
-    first = structures.on_grid(target, max(FIRST_PHASE / (still.time_of_maximum_indentation * unit), 4.0 * lowest))
+    unit, still, lowest = problem.scales.time, _on_a_fixed_target(problem), structures.lowest_frequency(target)
+    limit, least = following(problem, still, target.compliance or 0.0, lowest)
+    first = structures.on_grid(target, least)
     tried, carried = [first], structures.CARRIED if problem.stretches else 0
 
     def modes(highest: float) -> structures.Structure:
@@ -212,16 +185,10 @@ def _target_errors(
     """Relative changes of the summary by the error of the omitted compliance: from a run with fewer modes than the last
     and one with more compliance. None if it is too small to matter."""
     core, error = found.summary, structure.error
-    if error <= NEGLIGIBLE * accuracy * (_softness(problem, core) + structure.omitted):
+    if error <= NEGLIGIBLE * accuracy * (softness(problem, core) + structure.omitted):
         return {}
     other = run(problem, structures.softer(structure, error), found.start.tolerance, found.start.limit, recorded=False)
     return differences(problem, core, other.summary)
-
-
-def _softness(problem: Problem, core: native.Summary) -> float:
-    """Compliance of the contact, m/N: largest indentation over largest force."""
-    unit = problem.scales.length / problem.scales.force
-    return core.maximum_indentation / core.maximum_force * unit if core.maximum_force else 0.0
 
 
 def _refined(
@@ -243,7 +210,8 @@ def _refined(
 
     modes(2.0 * highest)  # TooManyModes before a run
     runs = [follow(highest, REFINED * tolerance)]
-    tolerance = max(tolerance * _step_share(problem, runs[0], modes(highest)), TIGHTEST)
+    swift = _swiftness(problem, runs[0], modes(highest))
+    tolerance = max(tolerance * step_share(problem, runs[0].summary, swift), TIGHTEST)
     while math.isinf(most) and _swiftness(problem, runs[0], modes(2.0 * highest)) > FOLLOWED * 2.0 * highest:
         highest *= 2.0
     while True:
@@ -267,7 +235,7 @@ def _refined(
             known, estimated = estimated, max(errors.values())
             if estimated <= accuracy:
                 return runs[-2], runs[-1], estimated
-            little = modes(highest).omitted < LITTLE * _softness(problem, runs[-1].summary)
+            little = modes(highest).omitted < LITTLE * softness(problem, runs[-1].summary)
             stiffer = math.isfinite(most) and runs[-1].modes == runs[-2].modes
             if last or (stiffer and little and estimated > STALLED * known):
                 return runs[-2], runs[-1], _unreached(runs[-1], errors, accuracy, warnings)
@@ -295,26 +263,8 @@ def _above(errors: dict[str, float], limit: float) -> str:
 
 
 def _swiftness(problem: Problem, found: Vibration, structure: structures.Structure) -> float:
-    """Rate at which the contact follows the structure, 1/s: its stiffness times the sum of the modes' shares, which is
-    about proportional to the highest frequency, over that."""
-    core, scales = found.summary, problem.scales
-    stiffness = core.maximum_force / core.maximum_indentation if core.maximum_indentation > 0.0 else 0.0
-    return stiffness * scales.force / scales.length * float(structure.tables.share.sum()) / structure.highest
-
-
-def _step_share(problem: Problem, found: Vibration, structure: structures.Structure) -> float:
-    """Factor of the steps' tolerance, at most 1: the impulse of the largest force over the time that contact takes to
-    follow the structure, times `IMPULSES`, over the momentum. An error as large would change that force as much."""
-    rate = _swiftness(problem, found, structure) * problem.scales.time
-    impulse = IMPULSES * found.summary.maximum_force
-    return min(1.0, impulse / (rate * max(problem.approach, SLOWEST))) if rate > 0.0 else 1.0
-
-
-def error_of(damped: bool, before: Any, change: Any) -> Any:
-    """Bound on the error of a run, of a law with damping or without. change: its difference to a run with half the
-    highest frequency; before: the same of that run."""
-    factor, fall = (DAMPED_FACTOR, DAMPED_FALL) if damped else (MODES_FACTOR, MODES_FALL)
-    return factor * np.maximum(change, before / fall)
+    """That of a run with the modes of a structure."""
+    return swiftness(problem, found.summary, float(structure.tables.share.sum()), structure.highest)
 
 
 def step_tolerance(accuracy: float) -> float:
@@ -325,9 +275,7 @@ def step_tolerance(accuracy: float) -> float:
 def time_limit(problem: Problem, target: AbstractTarget) -> float:
     """Time at which a contact is no longer followed, s."""
     lowest = structures.lowest_frequency(target)
-    slow = math.pi * math.sqrt(problem.mass * (target.compliance or 0.0))
-    fast = _on_a_fixed_target(problem).contact_duration * problem.scales.time
-    return LONGEST * (fast + slow + (2.0 * math.pi / lowest if lowest else 0.0))
+    return following(problem, _on_a_fixed_target(problem), target.compliance or 0.0, lowest)[0]
 
 
 def run(

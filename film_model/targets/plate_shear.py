@@ -5,13 +5,9 @@ from __future__ import annotations
 import math
 
 from film_model.base.materials import Material
+from film_model.core import plates
 from film_model.targets.target import COMES_BACK, Estimate, Impact, no_effect
 from film_model.targets.waves import MEAN_FREQUENCY, crossing_time
-
-LOCAL = 1.054
-"""What the half-space of a contact law takes up of the plate: ln 2 − γ − (5/6) ∫ (f(s) − 6/s³ − 6/(5 s) [s < 1]) ds,
-f = (sinh s cosh s + s)/(sinh² s − s²) − 1, over s = k h of waves 1/k in an elastic layer."""
-
 
 def shear_around(material: Material, reach: float, thickness: float) -> float:
     """Deflection over force that plate theory and a half-space's contact law together neglect, m/N.
@@ -22,7 +18,7 @@ def shear_around(material: Material, reach: float, thickness: float) -> float:
     cancel in vibrations, so the logarithm less 1.054 is taken as at least 1. Next to an edge ℓ is taken as h/100.
     """
     soft = 6 * (1 - material.poissons_ratio**2) / (5 * math.pi * material.youngs_modulus * thickness)
-    return soft * max(1.0, abs(math.log(max(reach / thickness, 0.01)) - LOCAL))
+    return soft * max(1.0, abs(plates.around(max(reach / thickness, 0.01))))
 
 
 def reach_of_edges(edges: tuple[str, ...], size: tuple[float, float], position: tuple[float, float]) -> float:

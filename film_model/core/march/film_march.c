@@ -266,16 +266,20 @@ void film_clear_summary(film_summary *summary) {
     summary->final_velocity = NAN;
 }
 
+void film_note_turn(int32_t event, double time, double indentation, int32_t stage, film_summary *summary) {
+    if (event == FILM_MAXIMUM_INDENTATION && indentation > DEEPER * summary->maximum_indentation) {
+        summary->maximum_indentation = indentation;
+        summary->time_of_maximum_indentation = time;
+        summary->stage = stage;
+    } else if (event == FILM_IMPACTOR_STOPS && isnan(summary->time_impactor_stops)) {
+        summary->time_impactor_stops = time;
+    }
+}
+
 /* What an event adds to the summary. */
 static void summarise(const film_curve *curve, const film_state *s, film_summary *summary) {
-    double indentation = s->xi - curve->compliance * s->force;
-    if (s->event == FILM_MAXIMUM_INDENTATION && indentation > DEEPER * summary->maximum_indentation) {
-        summary->maximum_indentation = indentation;
-        summary->time_of_maximum_indentation = s->time;
-        summary->stage = s->stage_max;
-    } else if (s->event == FILM_IMPACTOR_STOPS && isnan(summary->time_impactor_stops)) {
-        summary->time_impactor_stops = s->time;
-    } else if (s->event == FILM_CONTACT_ENDS) {
+    film_note_turn(s->event, s->time, s->xi - curve->compliance * s->force, s->stage_max, summary);
+    if (s->event == FILM_CONTACT_ENDS) {
         summary->contact_duration = s->time;
         summary->permanent_indentation = s->xi;
         summary->final_velocity = s->nu;

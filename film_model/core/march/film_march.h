@@ -188,6 +188,9 @@ int film_stop(film_state *s);
 int film_finish(const film_curve *curve, const film_mesh *mesh, film_state *s);
 void film_clear_summary(film_summary *summary);
 
+/* What a turn, or a stop of the impactor, adds to the summary. */
+void film_note_turn(int32_t event, double time, double indentation, int32_t stage, film_summary *summary);
+
 /* film_integrator.c */
 int film_end_run(const film_curve *curve, film_state *s, int ends);
 

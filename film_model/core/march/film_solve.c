@@ -39,7 +39,7 @@ static double apart(const film_curve *curve, const film_start *start, const film
                     const film_summary *b, film_way way, int *known) {
     double off;
     film_way finer;
-    film_compare(1, start, a, b, &off);
+    film_compare(1, start, a, b, 0, &off);
     if (a->maximum_indentation > 0.0 || b->maximum_indentation > 0.0 || !isfinite(start->time_limit)) return off;
     if (!*known) creep(curve, &meshes[0], start, way);
     creep(curve, &meshes[1], start, finer);

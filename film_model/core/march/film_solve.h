@@ -7,8 +7,14 @@
 /* off[i]: the largest relative difference of two summaries of the contact that starts with start[i], relative to b[i]; 1 for a
  * value that exists in only one of them. Permanent indentations and velocities are relative to at least 1e-3 of the maximum
  * indentation and of the approach velocity, work to the impact energy. If the approach velocity is 0, only values up to the
- * maximum indentation count, because whether contact ends then depends on rounding. */
-FILM_API void film_compare(int64_t count, const film_start *start, const film_summary *a, const film_summary *b, double *off);
+ * maximum indentation count, because whether contact ends then depends on rounding. vibrates: whether the target does; then the time
+ * of the largest indentation counts less. film_differences: of one contact value by value, maximum force and indentation, time of
+ * the latter, time at which the impactor stops, duration, permanent indentation, final velocity and work. */
+enum { FILM_COMPARED = 8 };
+FILM_API void film_compare(int64_t count, const film_start *start, const film_summary *a, const film_summary *b, int vibrates,
+                           double *off);
+FILM_API void film_differences(const film_start *start, const film_summary *a, const film_summary *b, int vibrates,
+                               double off[FILM_COMPARED]);
 
 /* off[i]: the largest change of a contact's results by neglecting an effect: `full` with it, `without` without; 1 if only one of both
  * ends, NaN if a status is negative. Force, maximum indentation and times are relative to those of `full`, permanent indentations to

@@ -4,9 +4,6 @@
 
 #include <string.h>
 
-/* A turn counts as deeper than those before only beyond this factor, as in film_marched.c. */
-static const double DEEPER = 1.0 + 1e-10;
-
 
 static double now_of(const film_modal *s) { return s->time + s->tau; }
 
@@ -56,13 +53,8 @@ static void note_event(const film_structure *structure, const film_curve *curve,
     event.branch = s->contact.branch;
     if (record != NULL) record->events[record->event_count++] = event;
     core->maximum_force = fmax(core->maximum_force, fmax(s->peak, event.values[2]));
-    if (event.event == FILM_MAXIMUM_INDENTATION && event.values[0] > DEEPER * core->maximum_indentation) {
-        core->maximum_indentation = event.values[0];
-        core->time_of_maximum_indentation = event.time;
-        core->stage = s->contact.stage_max;
-    } else if (event.event == FILM_IMPACTOR_STOPS && isnan(core->time_impactor_stops)) {
-        core->time_impactor_stops = event.time;
-    } else if (event.event == FILM_CONTACT_ENDS) {
+    film_note_turn(event.event, event.time, event.values[0], s->contact.stage_max, core);
+    if (event.event == FILM_CONTACT_ENDS) {
         summary->contacts++;
         if (isnan(core->contact_duration)) core->contact_duration = event.time;
         core->permanent_indentation = event.values[0];

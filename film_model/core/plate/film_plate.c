@@ -25,9 +25,12 @@
 /* k h of the longest waves at most: from a thickness of 1/5 of the side on, they alone deflect 3 % more than the layer. */
 #define THICKEST 0.9
 
-/* What the half-space of a contact law takes up of the plate: film_model/targets/plate_shear.py. */
-#define LOCAL 1.054
+/* What the half-space of a contact law takes up of the plate: ln 2 - gamma - (5/6) int (f(s) - 6/s^3 - 6/(5 s) [s < 1]) ds,
+ * f = (sinh s cosh s + s)/(sinh^2 s - s^2) - 1, over s = k h of waves 1/k in an elastic layer. */
+static const double LOCAL = 1.054;
 #define IMAGES 6 /* of a force, to each side: the next ones change its reach by 1e-19 of it */
+
+double film_plate_around(double reach) { return log(reach) - LOCAL; }
 
 int32_t film_plate_sheared(const film_plate *plate) {
     double h = plate->thickness, a = plate->a, b = plate->b;
@@ -145,7 +148,7 @@ static double reach(const film_plate *plate) {
 void film_plate_shear(int64_t count, const film_plate *plates, double *found) {
     for (int64_t k = 0; k < count; k++) {
         double h = plates[k].thickness, soft = h * h / (10.0 * PI * plates[k].d11);
-        found[k] = film_plate_sheared(plates + k) ? soft * (log(reach(plates + k) / h) - LOCAL) : 0.0;
+        found[k] = film_plate_sheared(plates + k) ? soft * film_plate_around(reach(plates + k) / h) : 0.0;
     }
 }
 

@@ -43,6 +43,9 @@ FILM_API int64_t film_plate_modes(const film_plate *plate, double highest, int32
 /* Static deflection over force of a plate without bed, with shear less that of the contact's half-space. */
 FILM_API double film_plate_compliance(const film_plate *plate);
 
+/* Its part of shear under a point force over h^2/(10 pi D), if shear ends at so many thicknesses from there: ln(reach) - 1.054. */
+FILM_API double film_plate_around(double reach);
+
 /* The part of shear in that of each of many plates. */
 FILM_API void film_plate_shear(int64_t count, const film_plate *plates, double *found);
 

@@ -186,11 +186,16 @@ class Core {
 
   /** The largest relative difference of two summaries of a problem, relative to the second. @param {any} p @param {Impact} a @param {Impact} b */
   compare(p, a, b) {
+    return Math.max(...this.differences(p, a, b, 0));
+  }
+
+  /** The same value by value. @param {any} p @param {Impact} a @param {Impact} b @param {number} vibrates whether the target does */
+  differences(p, a, b, vibrates) {
     this.writeStart(p);
     this.writeSummary(this.result, a);
     this.writeSummary(this.other, b);
-    this.c.film_compare(1n, this.start, this.result, this.other, this.counts);
-    return this.view().getFloat64(this.counts, true);
+    this.c.film_differences(this.start, this.result, this.other, vibrates, this.numbers);
+    return new Float64Array(this.c.memory.buffer, this.numbers, DATA.constants.compared.length);
   }
 
   /** The change of the summary between impacts with an effect, p, and without. @param {any} p @param {Impact} a @param {any} q @param {Impact} b */

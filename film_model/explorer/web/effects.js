@@ -52,7 +52,7 @@ function wavesOf(scene, slow, n, problem) {
   if (!(impedance < Infinity) || wanted === false || (wanted === "auto" && scene.law !== "auto")) return null;
   const radiating = problemOf(problem.law, n, impedance, problem.load);
   const change = changeOf(radiating, problem);
-  const pressed = problem.load > DATA.constants.most_weight * slow.largest_force;
+  const pressed = problem.load > slow.heaviest;
   return { simulated: wanted === true || !(pressed || change <= toleranceOf(scene)), change, radiating };
 }
 

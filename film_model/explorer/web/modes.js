@@ -57,7 +57,7 @@ function feltCompliance(support, fixed, mass) {
   if (!(support.compliance > 0) || found.status !== EVENT) return support.compliance;
   const { slow, close } = DATA.constants.vibration;
   const shortest = found.contact_duration * fixed.p.time;
-  const contact = (found.maximum_indentation * fixed.p.length) / (found.maximum_force * fixed.p.force);
+  const contact = FORMULAS.swiftness(fixed.p, found, 0, 1).soft;
   for (let duration = shortest; ;) {
     const above = support.modes.frequency.findIndex((/** @type {number} */ frequency) => frequency > slow / duration);
     const count = above < 0 ? support.modes.frequency.length : above;
@@ -177,31 +177,10 @@ function stillOf({ p, curve }) {
   return found.status === EVENT ? found : { time_of_maximum_indentation: 1, contact_duration: 3 };
 }
 
-/** Difference of two summaries, value by value. @param {Problem} problem @param {Impact} a @param {Impact} b */
-function differencesOf(problem, a, b) {
-  const names = DATA.constants.compared.filter((/** @type {string} */ name) => !(name === "permanent_indentation" && problem.p.damping > 0));
-  const found = Object.fromEntries(names.map((/** @type {string} */ name) => [name, CORE.compare(problem.p, { ...b, [name]: a[name] }, b)]));
-  found.time_of_maximum_indentation /= DATA.constants.vibration.flat;
-  return found;
-}
-
-/** Rate at which the contact of a run follows the modes up to a frequency, in 1/s. @param {Problem} problem @param {any} outcome @param {number} shares @param {number} highest */
-function swiftnessOf({ p }, outcome, shares, highest) {
-  const { maximum_force: force, maximum_indentation: indentation } = outcome.core;
-  return indentation > 0 ? (((force / indentation) * p.force) / p.length) * (shares / highest) : 0;
-}
-
-/** Factor of the steps' tolerance after the first run. @param {Problem} problem @param {any} outcome */
-function stepShare(problem, outcome) {
-  const rule = DATA.constants.vibration;
-  const { p } = problem;
-  const rate = swiftnessOf(problem, outcome, outcome.structure.shares, outcome.highest) * p.time;
-  return rate > 0 ? Math.min(1, (rule.impulses * outcome.core.maximum_force) / (rate * Math.max(p.approach, rule.slowest))) : 1;
-}
-
-/** Compliance of the contact, m/N. @param {any} p @param {any} core */
-function softness({ length, force }, { maximum_indentation: indentation, maximum_force: most }) {
-  return most > 0 ? ((indentation / most) * length) / force : 0;
+/** Difference of two summaries, value by value. @param {Problem} problem @param {Impact} a @param {Impact} b @returns {Record<string, number>} */
+function differencesOf({ p }, a, b) {
+  const found = Array.from(CORE.differences(p, a, b, 1), (difference, k) => [DATA.constants.compared[k], difference]);
+  return Object.fromEntries(found.filter(([name]) => !(name === "permanent_indentation" && p.damping > 0)));
 }
 
 /** @param {number} accuracy @param {any} outcome */
@@ -214,7 +193,7 @@ function unreached(accuracy, outcome) {
  * @param {Scene} scene @param {Problem} problem @param {any} coarse the run before the last @param {number} accuracy @param {number} limit
  */
 function errorOfCompliance(scene, problem, { core, highest, tolerance, structure: { omitted, error } }, accuracy, limit) {
-  if (error <= DATA.constants.vibration.negligible * accuracy * (softness(problem.p, core) + omitted)) return 0;
+  if (error <= DATA.constants.vibration.negligible * accuracy * (FORMULAS.swiftness(problem.p, core, 0, 1).soft + omitted)) return 0;
   return Math.max(...Object.values(differencesOf(problem, core, followed(scene, problem, highest, tolerance, limit, error).core)));
 }
 
@@ -232,11 +211,7 @@ function vibrate(scene, problem) {
   const accuracy = scene.solver.accuracy ?? DATA.constants.accuracy;
   const { p, law } = problem;
   const still = stillOf(problem);
-  const slow = Math.PI * Math.sqrt(p.mass * support.compliance);
-  const period = support.lowest > 0 ? (2 * Math.PI) / support.lowest : 0;
-  const limit = rule.longest * (still.contact_duration * p.time + slow + period);
-  const fast = rule.first_phase / (still.time_of_maximum_indentation * p.time);
-  const least = Math.max(fast, 4 * support.lowest);
+  const { limit, least } = FORMULAS.following(p, still, support.compliance, support.lowest);
   const shared = rounded(least, support.rate, support.steps ?? 1);
   const first = 4 * shared > support.highest ? rounded(least, support.rate) : shared; // few sets of vibrations, unless they are too many
   const rattles = !law.series && structureOf(scene, Math.min(first, support.highest), rounded(p.time), law.series).omitted > 0;
@@ -255,9 +230,9 @@ function vibrate(scene, problem) {
   let spent = workOf(coarse);
   /** @type {Record<string, number>|null} */
   let before = null;
-  tolerance = Math.max(tolerance * stepShare(problem, coarse), rule.tightest);
+  tolerance = Math.max(tolerance * FORMULAS.swiftness(p, coarse.core, coarse.structure.shares, coarse.highest).share, rule.tightest);
   const shares = () => structureOf(scene, 2 * highest, rounded(p.time), law.series).shares;
-  const quick = () => swiftnessOf(problem, coarse, shares(), 2 * highest) > rule.followed * 2 * highest;
+  const quick = () => FORMULAS.swiftness(p, coarse.core, shares(), 2 * highest).rate > rule.followed * 2 * highest;
   while (!cut && !rattles && 4 * highest <= most && quick()) highest *= 2;
   /** @type {number|null} */
   let error = null;
@@ -284,9 +259,10 @@ function vibrate(scene, problem) {
       continue;
     }
     const known = before;
-    const [factor, fall] = p.damping > 0 ? [rule.damped_factor, rule.damped_fall] : [rule.modes_factor, rule.modes_fall];
-    const errors = Object.entries(changes).map(([name, change]) => factor * Math.max(change, known[name] / fall) + tolerance);
-    const little = fine.structure.omitted < rule.little * softness(p, fine.core) && fine.structure.count === coarse.structure.count;
+    const errorOf = FORMULAS[p.damping > 0 ? "errorDamped" : "error"];
+    const errors = Object.entries(changes).map(([name, change]) => errorOf(known[name], change).bound + tolerance);
+    const { soft } = FORMULAS.swiftness(p, fine.core, 0, 1);
+    const little = fine.structure.omitted < rule.little * soft && fine.structure.count === coarse.structure.count;
     const stalled = rattles && little && error !== null && Math.max(...errors) > rule.stalled * error;
     error = Math.max(...errors);
     if (error > accuracy && 2 * highest > support.highest) refuse();

@@ -329,7 +329,7 @@ function intervalsOf(scene, { n, choice: { problem }, summary }) {
   const { maximum_force: force, contact_radius: radius } = summary;
   const { materials: given } = sceneOf(scene.base); // another material has no entries of brittle ones
   const fails = ["impactor", "target"].some((body) => {
-    const indicator = (n[`pressing_${body}`] / radius ** 2 + (n[`cracking_${body}`] * force) / radius ** 3) * force;
+    const { indicator } = FORMULAS.failure(n[`pressing_${body}`], n[`cracking_${body}`], force, radius);
     return indicator > 1 && scene.materials[body] === given[body];
   });
   const known = DATA.intervals[fails ? brittle : n.family].filter((/** @type {any} */ { name, missing }) => missing || summary[name] > 0);
@@ -346,13 +346,13 @@ function intervalsOf(scene, { n, choice: { problem }, summary }) {
 function energyWarnings({ p, law }, { energy_absorbed: absorbed, energy_radiated: radiated, coefficient_of_restitution: restitution }) {
   const impact = 0.5 * p.approach ** 2 * p.energy;
   const warnings = [];
-  if (absorbed < -1e-9 * impact) {
+  const gains = FORMULAS.gains(p, { energy_absorbed: absorbed, coefficient_of_restitution: restitution });
+  if (gains.law) {
     const share = ((-100 * absorbed) / impact).toPrecision(3);
     warnings.push(`law ${law.name}: its unloading returns more energy than its loading stored (${share} % of the impact energy)`);
   }
-  const gain = impact * (restitution ** 2 - 1);
-  if (p.load > 0 && gain + Math.min(absorbed, 0) > DATA.constants.least_gain * impact) {
-    const work = gain + absorbed + (radiated || 0);
+  if (gains.weight) {
+    const work = impact * (restitution ** 2 - 1) + absorbed + (radiated || 0);
     warnings.push(`restitution is ${restitution.toPrecision(4)}: contact ends below first touch, and on the way down to there the weight does ${work.toPrecision(4)} J of work, ${(work / impact).toPrecision(3)} times the impact energy; it is no property of the contact`);
   }
   return warnings;

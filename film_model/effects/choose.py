@@ -188,7 +188,7 @@ def _decided(light: Problem, support: Support) -> Iterator[tuple[Problem, Proble
         if support.vibrates and moves:
             parts = [_vibrating(plain) for plain in parts]
         for rule in _REPLACING:
-            parts = [each for part in parts for each in _replaced(part, *rule(part))]
+            parts = [each for part in parts for each in _parted(*rule(part), part)]
         for part in parts:
             yield part, moved, yielding, (heavy, moves, keeps_law)
 
@@ -208,17 +208,12 @@ def _held(moved: Problem, moves: Any) -> list[Problem]:
 
 def _divided(problem: Problem, stays: Any, changed: Callable[[Problem], Problem]) -> list[Problem]:
     """The impacts that stay as they are, and the others changed."""
-    return [problem] if all_of(stays) else _parted(problem, changed(problem), stays)
+    return [problem] if all_of(stays) else _parted(problem, stays, changed(problem))
 
 
-def _replaced(problem: Problem, changed: Problem, where: Any) -> list[Problem]:
-    """The impacts changed where this matters, and the others as they are."""
-    return [problem] if where is False else _parted(changed, problem, where)
-
-
-def _parted(one: Problem, other: Problem, where: Any) -> list[Problem]:
-    """Impacts of one problem, and for the rest those of the other."""
-    if not one.impacts.many or not isinstance(where, np.ndarray):
+def _parted(one: Problem, where: Any, other: Problem) -> list[Problem]:
+    """Impacts of one problem where a condition holds, and elsewhere those of the other."""
+    if not isinstance(where, np.ndarray):
         return [one if where else other]
     if all_of(where):
         return [one]

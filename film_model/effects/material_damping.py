@@ -44,7 +44,8 @@ def damped(problem: Problem) -> tuple[Problem, Any]:
         return problem, False
     if law == YIELDING and (scene.effects.plasticity is True or _keeps_more(problem, known)):
         return problem, False
-    if law == ELASTIC and (sure := _surely(problem, known)) is False:
+    sure = _surely(problem, known) if law == ELASTIC else None
+    if sure is False:
         return problem, False
     made = problem.under(DAMPED)
     if law == ELASTIC:

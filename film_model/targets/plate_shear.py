@@ -9,6 +9,7 @@ from film_model.core import plates
 from film_model.targets.target import COMES_BACK, Estimate, Impact, no_effect
 from film_model.targets.waves import MEAN_FREQUENCY, crossing_time
 
+
 def shear_around(material: Material, reach: float, thickness: float) -> float:
     """Deflection over force that plate theory and a half-space's contact law together neglect, m/N.
 

@@ -173,6 +173,15 @@ def test_contacts_that_crush_or_crack_have_no_interval():
 
 
 @pytest.mark.filterwarnings("ignore::film_model.ImpactWarning")
+def test_a_brittle_ball_that_is_still_pressed_in_when_no_longer_followed():
+    ball = fm.Sphere("2.2 mm", velocity="0.9 mm/s", mass="9 g", material="zirconia")
+    plate = fm.Plate("aluminium 6061-T6", "0.34 mm")
+    history = fm.simulate(fm.Scene(ball, plate, effects=fm.Effects(tolerance=0.001)))
+    assert history.outcome is fm.Outcome.TIME_LIMIT and history.maximum_indentation is None
+    assert "time limit" in history.to_json()
+
+
+@pytest.mark.filterwarnings("ignore::film_model.ImpactWarning")
 def test_a_sweep_has_the_intervals_of_its_impacts():
     """Each as alone: of steel and glass by velocity, of a law of which none is asked for, of one that adheres."""
     speeds = ["1 mm/s", "0.05 m/s", "0.3 m/s", "2 m/s", "20 m/s"]

@@ -74,5 +74,6 @@ def fails(problem: Problem) -> Any:
     core, scales = problem.trial.summary, problem.scales
     force, depth = core.maximum_force * scales.force, core.maximum_indentation * scales.length
     radius = own_radius(problem, force, depth)
-    failing = [failure(factors(body), force, radius) > 1.0 for body in brittle]
-    return failing[0] | failing[-1]
+    touches = radius > 0.0  # not of one that is still pressed in when it is no longer followed
+    failing = [failure(factors(body), force, either(touches, radius, 1.0)) > 1.0 for body in brittle]
+    return touches & (failing[0] | failing[-1])

@@ -271,7 +271,7 @@ class _Series:
         if not light.trial.ends or last.contact_duration is None:
             return ""
         energy = 0.5 * scene.effective_mass * last.velocity_before**2
-        seen = case_of(light, vibrates=False).seen_by_target
+        seen = case_of(light, vibrates=False).seen
         seen = seen._replace(energy=energy, force=last.maximum_force, duration=last.contact_duration)
         share = scene.target.wave_losses(seen).change
         if share is None:

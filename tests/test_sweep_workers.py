@@ -10,8 +10,10 @@ import shutil
 import signal
 import subprocess
 import sys
+import threading
 import time
 from pathlib import Path
+from typing import Any
 
 import pytest
 from sweep_cases import BALL, FILE, PLATE, SCENES, SPEEDS, STRENGTHS, bytes_of, same
@@ -21,6 +23,8 @@ import film_model as fm
 from film_datasets.sweeps import Interrupted, ProgressBar, Sweep, run_sweep
 from film_datasets.sweeps.block_columns import Columns, compute_block
 from film_datasets.sweeps.blocks import Block
+from film_model.base.foreign import Dataset
+from film_model.core import modal
 
 SMALL_BLOCKS = ("film_datasets.sweeps.blocks.BLOCK_IMPACTS", 7)
 SAVE_ALL = ("film_datasets.sweeps.checkpoint.WORTH_SAVING", 0.0)
@@ -39,6 +43,25 @@ def test_any_number_of_workers_gives_the_same_data(
         same(ds, found[0])
     with fd.sweep(BALL, over, keep="segments", output=tmp_path / "x.nc", **options) as ds:
         same(ds, found[0])
+
+
+def test_a_vibrating_target_takes_the_threads_of_the_workers(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Impacts that share a structure are one block: it takes as many threads as there are workers, and none but the
+    caller's with one."""
+    used, batch = set[int](), modal.batch
+
+    def noted(*given: Any) -> Any:
+        used.add(threading.get_ident())
+        return batch(*given)
+
+    monkeypatch.setattr(modal, "batch", noted)
+    vibrating = PLATE.replace({"effects.boundary_reflections": True, "effects.target_inertia": True})
+    over, found = {"impactor.velocity": {"from": "0.5 m/s", "to": "0.6 m/s", "count": 64}}, list[Dataset]()
+    for workers in (1, 3):
+        used.clear()
+        found.append(fd.sweep(vibrating, over, workers=workers))
+        assert used and (used == {threading.get_ident()}) == (workers == 1)
+    same(*found)
 
 
 @pytest.mark.parametrize("suffix", ["nc", "zarr"])

@@ -17,7 +17,8 @@ from sweep_cases import BALL, PLATE, SCENES, SPEEDS, same
 import film_datasets as fd
 import film_model as fm
 from film_datasets.schema import OUT_OF_RANGE, pieces
-from film_datasets.sweeps import available_cores, read_sweep, run_sweep
+from film_datasets.sweeps import read_sweep, run_sweep
+from film_model.base.threads import available_cores
 from film_model.solve.history import MOTION, SUMMARY
 
 

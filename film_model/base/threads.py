@@ -1,14 +1,39 @@
-"""Linear algebra on one thread."""
+"""How many threads are used."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import os
+from collections.abc import Callable, Generator
+from contextlib import contextmanager
+from contextvars import ContextVar
 from functools import lru_cache, wraps
 from importlib import import_module
 from typing import Any, ParamSpec, TypeVar
 
 P = ParamSpec("P")
 R = TypeVar("R")
+
+_allowed: ContextVar[int | None] = ContextVar("threads", default=None)
+
+
+@contextmanager
+def threads(most: int) -> Generator[None]:
+    """Within this context :func:`threads_allowed` is `most`."""
+    before = _allowed.set(most)
+    try:
+        yield
+    finally:
+        _allowed.reset(before)
+
+
+def threads_allowed() -> int:
+    """Threads that a function may use: as many as there are cores, unless :func:`threads` says how many."""
+    return _allowed.get() or available_cores()
+
+
+def available_cores() -> int:
+    """Cores that this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 def one_thread(work: Callable[P, R]) -> Callable[P, R]:

@@ -1,13 +1,13 @@
 """Many impacts on vibrating targets: the rows of a sweep or batch whose target vibrates.
 
 Rows that differ in the velocity or mass of the impactor only share one structure and are followed in the core, one
-after the other on each processor. Other rows are simulated one by one; the modes of equal targets are computed once.
+after the other on each thread that is allowed. Other rows are simulated one by one; the modes of equal targets are
+computed once.
 """
 
 from __future__ import annotations
 
 import math
-import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import partial
 from typing import Any, NamedTuple, cast
@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from film_model.base.arrays import Array, Index
 from film_model.base.errors import VIBRATES, CoreError, SimulationError, TooManyModes
+from film_model.base.threads import threads_allowed
 from film_model.core import modal, native
 from film_model.core.columns import Columns
 from film_model.effects.choose import problem_of
@@ -89,7 +90,7 @@ def closed_forms(followed: Followed) -> Iterator[ClosedForm | None]:
 
 def sensor_peaks(followed: Followed) -> Array:
     """Largest motions of the target's sensors in each impact, which is followed once more, SI, as (sensors, quantities,
-    impacts); NaN if its record takes more than `modal.MOST_MEMORY`. On each processor some of the impacts."""
+    impacts); NaN if its record takes more than `modal.MOST_MEMORY`. On each thread some of the impacts."""
     problem = followed.problem
     target = problem.scene.target
     peaks = Peaks(target, followed.highest)
@@ -108,14 +109,16 @@ def sensor_peaks(followed: Followed) -> Array:
             found.append(own.T)
         return found
 
-    return np.stack(_on_all_processors(part, followed.rows.size), axis=-1)
+    return np.stack(_on_threads(part, followed.rows.size), axis=-1)
 
 
-def _on_all_processors(part: Callable[[Index], Sequence[Any]], count: int) -> list[Any]:
-    """What a function gives for the places 0 to count − 1, in parts for each processor."""
+def _on_threads(part: Callable[[Index], Sequence[Any]], count: int) -> list[Any]:
+    """What a function gives for the places 0 to count − 1, in parts for each thread that is allowed."""
     from concurrent.futures import ThreadPoolExecutor
 
-    workers = min(os.cpu_count() or 1, max(count // TRIED, 1))
+    workers = min(threads_allowed(), max(count // TRIED, 1))
+    if workers == 1:
+        return list(part(np.arange(count)))
     with ThreadPoolExecutor(workers) as pool:
         return [one for found in pool.map(part, np.array_split(np.arange(count), workers)) for one in found]
 
@@ -304,7 +307,7 @@ class _Run(NamedTuple):
 
 
 def _follow(whole: Problem, highest: float, tolerance: Array, limit: float) -> _Run:
-    """The impacts on the modes up to a frequency; each processor has tables of its own."""
+    """The impacts on the modes up to a frequency; each thread has tables of its own."""
     scales, target, count = whole.scales, whole.scene.target, np.size(whole.approach)
     longest = float(np.max(scales.time))
     omitted = structures.omitted_compliance(target, highest, longest) * scales.force / scales.length
@@ -319,7 +322,7 @@ def _follow(whole: Problem, highest: float, tolerance: Array, limit: float) -> _
     def part(places: Index) -> tuple[NDArray[np.int32], Table]:
         return modal.batch(modal.Tables(*modes), whole.curve.native, start[places])
 
-    found = _on_all_processors(lambda places: [part(places)], count)
+    found = _on_threads(lambda places: [part(places)], count)
     core = cast("Table", np.concatenate([table for _, table in found])["core"].copy())
     for name in ("time_of_maximum_indentation", "time_impactor_stops", "contact_duration"):
         core[name] /= scales.time

@@ -196,10 +196,11 @@ def weights_of(target: AbstractTarget, tables: Tables, highest: float) -> Array:
 
 
 def force_of_steps(steps: Any, unit: float, times: Array) -> Array:
-    """The contact force of recorded segments at times from first touch on, s, N. unit: of the steps' forces, N."""
-    at = np.searchsorted(steps["time"], times, "right") - 1
-    powers, tau = _cubic(steps, unit)[at], times - steps["time"][at]
-    return ((powers[:, 3] * tau + powers[:, 2]) * tau + powers[:, 1]) * tau + powers[:, 0]
+    """The contact force of recorded segments at ascending times from first touch on, s, N. unit: of the steps' forces,
+    N."""
+    counts = np.diff(np.searchsorted(times, steps["time"]), append=times.size)  # times are many more than steps
+    (p0, p1, p2, p3), tau = np.repeat(_cubic(steps, unit).T, counts, axis=1), times - np.repeat(steps["time"], counts)
+    return ((p3 * tau + p2) * tau + p1) * tau + p0
 
 
 def _after(on: Modes, force: Array, moved: Array, rate: Array, tau: Array) -> tuple[Array, Array]:

@@ -5,7 +5,6 @@
 
 from film_datasets.sweeps.definition import Sweep
 from film_datasets.sweeps.disk_space import sizes_text
-from film_datasets.sweeps.executor import available_cores
 from film_datasets.sweeps.progress import Interrupted, Progress, ProgressBar
 from film_datasets.sweeps.runner import run_sweep, sweep
 from film_datasets.sweeps.shards import finish_shards, run_shard

@@ -15,6 +15,7 @@ from film_datasets.sweeps.designs import Block
 from film_datasets.sweeps.executor import Workers
 from film_datasets.sweeps.progress import Progress
 from film_datasets.sweeps.ragged import Columns
+from film_model.base.threads import threads
 
 
 @dataclass(frozen=True)
@@ -34,10 +35,16 @@ def computed_blocks(
     only one. The workers begin at once, before the first block is asked for."""
     wanted = range(len(run.blocks)) if numbers is None else numbers
     if workers.local and len(wanted) == 1:  # computed in this thread: there is nothing to do meanwhile
-        return ((block, compute_block(run.sweep, block)) for block in (run.blocks[wanted[0]],))
+        return ((block, _computed(run.sweep, block, workers.number)) for block in (run.blocks[wanted[0]],))
     under_way = _UnderWay(run, workers, checkpoint if len(wanted) > 1 else None, wanted)
     under_way.submit()
     return map(under_way.finished, wanted)
+
+
+def _computed(sweep: Sweep, block: Block, most: int = 1) -> Columns:
+    """A block computed on up to `most` threads."""
+    with threads(most):
+        return compute_block(sweep, block)
 
 
 class _UnderWay:
@@ -56,7 +63,7 @@ class _UnderWay:
             self._futures[number] = (
                 executor.submit(self._compute_and_save, number)
                 if local
-                else executor.submit(compute_block, self._run.sweep, self._run.blocks[number])
+                else executor.submit(_computed, self._run.sweep, self._run.blocks[number])
             )
 
     def finished(self, number: int) -> tuple[Block, Columns]:
@@ -74,8 +81,8 @@ class _UnderWay:
 
     def _compute_and_save(self, number: int) -> Columns:
         begin = time.process_time()
-        columns = compute_block(self._run.sweep, self._run.blocks[number])
+        columns = _computed(self._run.sweep, self._run.blocks[number])
         if self._checkpoint is not None:
-            # of all threads, as impacts on vibrations have their own, shared among the blocks under way
+            # process_time is that of all threads, shared among the blocks under way
             self._checkpoint.save(number, columns, (time.process_time() - begin) / self._workers.number)
         return columns

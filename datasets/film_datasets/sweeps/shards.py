@@ -22,11 +22,12 @@ from film_datasets.sweeps.checkpoint import Checkpoint, fingerprint, lock_file
 from film_datasets.sweeps.computed_blocks import Run, computed_blocks
 from film_datasets.sweeps.definition import Sweep
 from film_datasets.sweeps.disk_space import check_free_space
-from film_datasets.sweeps.executor import available_cores, workers_of
+from film_datasets.sweeps.executor import workers_of
 from film_datasets.sweeps.progress import Progress, explained
 from film_datasets.sweeps.storage import Storage
 from film_model.base.files import written_whole
 from film_model.base.foreign import Dataset
+from film_model.base.threads import available_cores
 
 _SHARD = re.compile(r"(\d{1,9})/(\d{1,9})")
 

@@ -18,8 +18,9 @@ from film_datasets.sweeps.block_writers import COORDINATE_CHUNK, FILE_BLOCKS, Wr
 from film_datasets.sweeps.blocks import Blocks
 from film_datasets.sweeps.definition import Sweep
 from film_datasets.sweeps.designs import Block
-from film_datasets.sweeps.executor import Workers, available_cores
+from film_datasets.sweeps.executor import Workers
 from film_datasets.sweeps.ragged import Places, ragged_dims
+from film_model.base.threads import available_cores
 
 PIECES = 8
 """Pieces of coordinates, of up to 2 MB, that are written at a time."""

@@ -190,8 +190,12 @@ def can_be_in_series(law: AbstractLaw, compliance: float) -> bool:
 
 def steepest_fall(law: AbstractLaw) -> float:
     """The largest −f′ of the law's stages, at least 0; SimulationError if it cannot be in series with any spring."""
-    name = _name(law)
-    return max(fall for _, fall in _falls(name, checked(name, tuple(law.stages()))))
+    return _steepest_fall(_name(law), tuple(law.stages()))
+
+
+@lru_cache(maxsize=256)
+def _steepest_fall(law: str, given: tuple[Stage, ...]) -> float:
+    return max(fall for _, fall in _falls(law, checked(law, given)))
 
 
 def _falls(law: str, stages: list[Stage]) -> Iterator[tuple[str, float]]:

@@ -103,9 +103,9 @@ def replace_time(summary, factor):
     return found
 
 
-def test_a_damped_impact_ends_where_more_runs_bring_nothing(monkeypatch):
-    """A thin glass plate: all vibrations of Mindlin's theory are there from the second run on; a stiffer omitted mode
-    only rattles more, in up to eight times as many steps."""
+def test_a_damped_impact_converges_where_there_are_no_more_vibrations(monkeypatch):
+    """A thin glass plate: all vibrations of Mindlin's theory are there from the second run on. Without damping of the
+    omitted mode errors of the rebound stay above 4e-3, however stiff it is."""
     target = fm.Plate(fm.Material("glass", "70 GPa", 0.23, "2500 kg/m^3"), "0.65 mm", size=["200 mm", "150 mm"])
     ball, law = fm.Sphere("3 mm", "0.5 m/s", material=STEEL), fm.Contact("tsuji", restitution=0.9)
     runs, run = [], vibration.run
@@ -116,8 +116,11 @@ def test_a_damped_impact_ends_where_more_runs_bring_nothing(monkeypatch):
 
     monkeypatch.setattr(vibration, "run", counted)
     history = fm.simulate(fm.Scene(ball, target, law, QUIET))
-    assert [each.modes for each in runs] == [1455, 1856, 1856, 1856]
-    assert any("accuracy 0.0001 is not reached: with 1856 modes" in warning for warning in history.warnings)
+    assert [each.modes for each in runs] == [1455, 1856, 1856, 1856, 1856]
+    assert history.accuracy.estimated <= 1e-4 and not any("is not reached" in said for said in history.warnings)
+    stiffer = structures.structure_of(target, 4.0 * history.vibration.highest, history.problem.scales.time)
+    exact = run(history.problem, stiffer, 1e-8, 1.0, False).summary
+    assert max(differences(history.problem, history.vibration.summary, exact).values()) < history.accuracy.estimated
 
 
 # ---------------------------------------------------------------- one set of modes
@@ -178,13 +181,15 @@ def test_energy_of_a_reversible_law(mass, velocity):
 
 @combinations(law=["hunt-crossley", "kuwabara-kono", "tsuji", "linear-dashpot"], fast=1)
 def test_damped_laws(law):
-    """What the impactor loses is absorbed by the damping or in the modes; a history has each mode's energy."""
+    """What the impactor loses is absorbed by the damping or in the modes; a history has each mode's energy; that of
+    the omitted ones dies away."""
     history = fm.simulate(struck(FEW, "12 mm", "1 m/s", LAWS[law], "0.2 kg"), accuracy=5e-3)
     summary, ahead = history.summary, 0.5 * 0.2
     left = 0.5 * 0.2 * summary["rebound_velocity"] ** 2
     assert summary["energy_absorbed"] > 1e-3 * ahead
     assert left + summary["energy_absorbed"] + summary["energy_radiated"] == pytest.approx(ahead, rel=1e-5)
-    assert history.vibration_energy_by_mode.sum() == pytest.approx(summary["energy_radiated"], rel=1e-9)
+    in_modes = history.vibration_energy_by_mode.sum() / summary["energy_radiated"]
+    assert 1.0 - 5e-3 < in_modes < 1.0  # the accuracy asked for
     samples = history.sample_si(np.linspace(0.0, history.duration, 201))
     assert (samples.contact_force >= 0.0).all()
     assert samples.contact_force.max() <= summary["maximum_force"] * (1.0 + 5e-3)  # the accuracy asked for

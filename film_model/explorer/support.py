@@ -136,6 +136,7 @@ def constants() -> dict[str, Any]:
     )
     return numbers_of(vibration, names) | {
         "above": structures.ABOVE,
+        "ratio": structures.RATIO,
         "equal": EQUAL,
         "unseen": UNSEEN,
         "most_computed": 10_000,  # bound on the number of modes that the page computes itself: 56 MB for their tables

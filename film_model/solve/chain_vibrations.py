@@ -20,7 +20,7 @@ from film_model.core import chaining, native
 from film_model.problem.chain_contacts import ChainContact, speed_of
 from film_model.scene.chain import Chain, Link
 from film_model.solve.mode_formulas import FIRST_PHASE, error_of
-from film_model.solve.structures import ABOVE, MOST_MODES, rounded
+from film_model.solve.structures import MOST_MODES, rounded
 from film_model.targets import AbstractTarget, Modes
 from film_model.targets.several import omitted, seen
 
@@ -29,6 +29,9 @@ STEP = 0.01
 
 GROWTH = 5
 """Work of a run over that of one with half the highest frequency, about."""
+
+ABOVE = 1.5
+"""Frequency of the modes that stand for the omitted ones, over the highest."""
 
 TO_DEEPEST = 1.5
 """Time to the deepest point of Hertz's contact over depth and velocity: 1.47."""

@@ -43,11 +43,11 @@ NEGLIGIBLE = 1e-3
 
 HIGHEST = 64.0
 """Highest frequency over that of the first run, where more modes cannot be computed, or where the omitted compliance is
-a mode: a stiffer one rattles between the impactor and the others, thousands of times, and changes no result."""
+a mode: a stiffer one takes shorter steps and changes no result."""
 
 STALLED, LITTLE = 0.7, 0.1
 """Estimate over that with half the highest frequency, from which on results no longer converge if there is no mode in
-between and the omitted compliance is below `LITTLE` of the contact's: its mode only gets stiffer and rattles more."""
+between and the omitted compliance is below `LITTLE` of the contact's: its mode only gets stiffer."""
 
 _OUTCOMES = {native.EVENT: Outcome.SEPARATED, native.ENDLESS: Outcome.RESTING, native.OK: Outcome.TIME_LIMIT}
 _STATUSES = {outcome: status for status, outcome in _OUTCOMES.items()}

@@ -89,8 +89,9 @@ function structureOf(scene, highest, longest, series, softer = 0, few = false) {
   const forms = formsOf(seen, count, few);
   const columns = [frequency, share, ratio].map((/** @type {number[]} */ column) => column.slice(0, count));
   if (!series && omitted > 0) {
-    const above = DATA.constants.vibration.above * highest;
-    [above, omitted * above ** 2, 0].forEach((value, k) => columns[k].push(value));
+    const { ratio: damping, above: times } = DATA.constants.vibration;
+    const above = times * highest;
+    [above, omitted * above ** 2, damping].forEach((value, k) => columns[k].push(value));
     count++;
   }
   const places = columns.map((column) => CORE.numbersAt(column));

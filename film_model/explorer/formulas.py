@@ -298,15 +298,16 @@ def vibrating_functions(template: Scene) -> list[str]:
         problem, core = _problem(r, "p", template, damped, vibrates=True), _Core(r, "a")
         outputs = summary_of(problem, r.symbol("a.status"), core)
         functions.append(r.function(f"summaryVibrating{word}", "p, a, n", outputs))
-        bound = mode_formulas.error_of(damped, before, changed)
-        functions.append(r.function(f"error{word}", "before, change", {"bound": bound}))
+        outputs = {"bound": mode_formulas.error_of(damped, before, changed)}
+        functions.append(r.function(f"error{word}", "before, change", outputs))
     problem, core = _problem(r, "p", template), _Core(r, "a")
-    rate, soft = mode_formulas.swiftness(problem, core, shares, highest), mode_formulas.softness(problem, core)
+    rate = mode_formulas.swiftness(problem, core, shares, highest)
     limit, least = mode_formulas.following(problem, core, r.symbol("compliance"), r.symbol("lowest"))
-    outputs = {"rate": rate, "share": mode_formulas.step_share(problem, core, rate), "soft": soft}
-    functions.append(r.function("swiftness", "p, a, shares, highest", outputs))
+    share, soft = mode_formulas.step_share(problem, core, rate), mode_formulas.softness(problem, core)
+    functions.append(r.function("swiftness", "p, a, shares, highest", {"rate": rate, "share": share, "soft": soft}))
     functions.append(r.function("following", "p, a, compliance, lowest", {"limit": limit, "least": least}))
-    return [*functions, r.function("radiated", "p, a", {"energy": radiated(problem, core)})]
+    falls = r.function("falling", "change, before, highest", {"later": mode_formulas.falling(changed, before, highest)})
+    return [*functions, falls, r.function("radiated", "p, a", {"energy": radiated(problem, core)})]
 
 
 def hardening_functions(template: Scene) -> list[str]:

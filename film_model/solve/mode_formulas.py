@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from film_model.base.arrays import either, greater, lesser, root
+from film_model.base.arrays import either, greater, lesser, logarithm, root
 from film_model.problem.problem import Problem
 
 LONGEST = 3.0
@@ -73,3 +73,9 @@ def error_of(damped: bool, before: Any, change: Any) -> Any:
     highest frequency; before: the same of that run."""
     factor, fall = (DAMPED_FACTOR, DAMPED_FALL) if damped else (MODES_FACTOR, MODES_FALL)
     return factor * greater(change, before / fall)
+
+
+def falling(estimate: Any, earlier: Any, higher: Any) -> Any:
+    """Estimate with vibrations up to `higher` times the highest frequency, if it falls as it did since that with a quarter
+    of this frequency, `earlier`: the force of a damped law may begin so suddenly that it shows ever higher vibrations."""
+    return estimate * lesser(estimate / earlier, 1.0) ** (logarithm(higher) / math.log(4.0))

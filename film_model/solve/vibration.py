@@ -19,7 +19,7 @@ from film_model.scene import DEFAULT_ACCURACY, Solver
 from film_model.solve import structures
 from film_model.solve.accuracy import raise_failure
 from film_model.solve.modal_motion import ModalMotion
-from film_model.solve.mode_formulas import MODES_FALL, error_of, following, softness, step_share, swiftness
+from film_model.solve.mode_formulas import MODES_FALL, error_of, falling, following, softness, step_share, swiftness
 from film_model.targets import AbstractTarget
 
 STEP = 0.03
@@ -44,10 +44,6 @@ NEGLIGIBLE = 1e-3
 HIGHEST = 64.0
 """Highest frequency over that of the first run, where more modes cannot be computed, or where the omitted compliance is
 a mode: a stiffer one takes shorter steps and changes no result."""
-
-STALLED, LITTLE = 0.7, 0.1
-"""Estimate over that with half the highest frequency, from which on results no longer converge if there is no mode in
-between and the omitted compliance is below `LITTLE` of the contact's: its mode only gets stiffer."""
 
 _OUTCOMES = {native.EVENT: Outcome.SEPARATED, native.ENDLESS: Outcome.RESTING, native.OK: Outcome.TIME_LIMIT}
 _STATUSES = {outcome: status for status, outcome in _OUTCOMES.items()}
@@ -203,7 +199,7 @@ def _refined(
     """`vibrate` with the highest frequency between two values: the last two runs, and the estimate. limit: as of `run`.
     recorded: whether a run that is sure or likely to be the last is recorded at once."""
     (highest, most), tolerance, damped = between, step_tolerance(accuracy), problem.law.damped
-    estimated = math.inf
+    estimates = [math.inf]
 
     def follow(upto: float, tolerance: float, expected: int = 0) -> Vibration:
         return run(problem, modes(upto), tolerance, limit, expected > 0, expected)
@@ -217,7 +213,7 @@ def _refined(
     while True:
         work = sum(each.work for each in runs)
         sure = 2.0 * highest >= most or work + 5 * runs[-1].work > modal.MOST_WORK  # if more modes take no less
-        final = recorded and (sure or estimated <= MODES_FALL * accuracy)
+        final = recorded and (sure or estimates[-1] <= MODES_FALL * accuracy)
         try:
             runs.append(follow(2.0 * highest, tolerance, 2 * int(runs[-1].summary.lines) * final))
             highest *= 2.0
@@ -232,14 +228,17 @@ def _refined(
         if len(runs) > 2:
             before, change = (differences(problem, *(r.summary for r in pair)) for pair in (runs[-3:-1], runs[-2:]))
             errors = {name: float(error_of(damped, before[name], change[name])) + tolerance for name in change}
-            known, estimated = estimated, max(errors.values())
-            if estimated <= accuracy:
-                return runs[-2], runs[-1], estimated
-            little = modes(highest).omitted < LITTLE * softness(problem, runs[-1].summary)
-            stiffer = math.isfinite(most) and runs[-1].modes == runs[-2].modes
-            if last or (stiffer and little and estimated > STALLED * known):
+            estimates.append(max(errors.values()))
+            if estimates[-1] <= accuracy:
+                return runs[-2], runs[-1], estimates[-1]
+            if last or (damped and _out_of_reach(estimates, accuracy, most / highest)):
                 return runs[-2], runs[-1], _unreached(runs[-1], errors, accuracy, warnings)
         tolerance = max(tolerance / REFINED, TIGHTEST)
+
+
+def _out_of_reach(estimates: list[float], accuracy: float, higher: float) -> bool:
+    """Whether the accuracy is not reached with vibrations up to `higher` times the highest frequency, as it seems."""
+    return len(estimates) > 3 and float(falling(estimates[-1], estimates[-3], higher)) > accuracy
 
 
 def _recorded(problem: Problem, found: Vibration) -> Vibration:

@@ -237,6 +237,8 @@ function vibrate(scene, problem) {
   while (!cut && !rattles && 4 * highest <= most && quick()) highest *= 2;
   /** @type {number|null} */
   let error = null;
+  const estimates = [Infinity];
+  const outOfReach = () => p.damping > 0 && estimates.length > 3 && FORMULAS.falling(estimates.at(-1), estimates.at(-3), most / highest).later > accuracy;
   for (;;) {
     highest *= 2;
     let fine;
@@ -262,12 +264,10 @@ function vibrate(scene, problem) {
     const known = before;
     const errorOf = FORMULAS[p.damping > 0 ? "errorDamped" : "error"];
     const errors = Object.entries(changes).map(([name, change]) => errorOf(known[name], change).bound + tolerance);
-    const { soft } = FORMULAS.swiftness(p, fine.core, 0, 1);
-    const little = fine.structure.omitted < rule.little * soft && fine.structure.count === coarse.structure.count;
-    const stalled = rattles && little && error !== null && Math.max(...errors) > rule.stalled * error;
     error = Math.max(...errors);
+    estimates.push(error);
     if (error > accuracy && 2 * highest > support.highest) refuse();
-    if (error <= accuracy || last || stalled) {
+    if (error <= accuracy || last || outOfReach()) {
       const own = errorOfCompliance(scene, problem, coarse, accuracy, limit) + errorOfMembrane(scene, problem, fine, limit);
       if (own > 0) fine = follow(fine.tolerance);
       return { ...fine, error: error + own, warning: error + own <= accuracy ? "" : unreached(accuracy, fine) };

@@ -55,7 +55,7 @@ def change_of(scene: Scene, load: Any) -> Any:
 
 
 def _change(coefficient: Any, depth: Any) -> Any:
-    """The change of the largest force of an impact by law large-slope, to second order. depth: by Hertz's law, over R."""
+    """The change of the largest force of an impact by law large-slope, to second order. depth: Hertz's, over R."""
     steepness = coefficient * depth**0.5
     return steepness / (2.0 + steepness)
 

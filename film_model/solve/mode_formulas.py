@@ -76,6 +76,6 @@ def error_of(damped: bool, before: Any, change: Any) -> Any:
 
 
 def falling(estimate: Any, earlier: Any, higher: Any) -> Any:
-    """Estimate with vibrations up to `higher` times the highest frequency, if it falls as it did since that with a quarter
-    of this frequency, `earlier`: the force of a damped law may begin so suddenly that it shows ever higher vibrations."""
+    """Estimate with vibrations up to `higher` times the highest frequency, if it falls as since a quarter of it,
+    where it was `earlier`: forces of damped laws may begin so suddenly that they show ever higher ones."""
     return estimate * lesser(estimate / earlier, 1.0) ** (logarithm(higher) / math.log(4.0))

@@ -115,11 +115,15 @@ class Plastic:
         """Exponent of the hardening of the pressure."""
         return self.constants.strain_exponent * self.exponent
 
+    def widened(self, beyond: Any) -> Any:
+        """ω."""
+        return 1.0 + self.spread * logarithm(beyond)
+
     def pressed(self, softer: Any) -> Pressed:
         """At w_s."""
         own = self.constants
         beyond = own.beyond(softer)
-        widening = 1.0 + self.spread * logarithm(beyond)
+        widening = self.widened(beyond)
         radius = (softer * widening) ** 0.5
         most = own.pressure / (1.0 + (self.flattening * self.first_radius * radius) ** 1.5)
         bend = own.pressure_bend
@@ -154,6 +158,8 @@ class Plastic:
 
     def contact_radius(self, w: Any) -> Any:
         """a over that at first yield."""
+        if not any_of(self.share > 0.0):
+            return (w * self.widened(self.constants.beyond(w))) ** 0.5
         return self.radius_of(self.at(w), w)
 
     def force(self, w: Any) -> Any:

@@ -25,7 +25,7 @@ from film_model.oblique import springs
 from film_model.oblique.result import KINDS, MOTION, REGIMES, Oblique, error_of_force
 from film_model.problem.curve import Curve
 from film_model.problem.problem import Problem
-from film_model.problem.stresses import contact_radius
+from film_model.problem.stresses import is_hertzian, radius_of
 from film_model.scene import Scene
 from film_model.scene.friction_table import FrictionTable
 from film_model.scene.rolling import Sliding, sliding_of
@@ -211,11 +211,10 @@ def elastic_radius(curve: native.Curve, scales: Any, modulus: Number, depth: Arr
 def radius_beyond_yield(problem: Problem, depth: Array, force: Array) -> Array:
     """The law's own contact radius, m; arrays (times,) of one impact or (times, impacts)."""
     depth = np.maximum(depth, 0.0)  # below 0 between two contacts
-    radius, elastic = contact_radius(problem.impacts, force, depth)
+    elastic = is_hertzian(problem.impacts, force, depth)
+    # a force that has left Hertz's meets it again by chance alone
     left = np.logical_or.accumulate(~elastic & (depth > 0.0), axis=0)
-    if np.any(left & elastic):  # a force that has left Hertz's meets it again by chance alone
-        radius, _ = contact_radius(problem.impacts, np.where(left, np.inf, force), depth)
-    return np.asarray(radius)
+    return np.asarray(radius_of(problem.impacts, elastic & ~left, depth))
 
 
 def results(

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from film_model.base.arrays import Number, any_of, either, greater, lesser, ratio, root
+from film_model.base.arrays import Number, all_of, either, greater, lesser, ratio, root
 from film_model.laws.elastoplastic import Plastic, scaled_strain
 from film_model.laws.hertz import hertz_stiffness
 from film_model.problem.problem import Impacts, Problem
@@ -52,25 +52,33 @@ def contact_radius(impacts: Impacts, force: Number, indentation: Number) -> tupl
     :func:`elastic_radius`, √(R δ) of a ball, while the force is Hertz's; beyond, at most R: the law's own if it has
     one (`AbstractLaw.widening`), or that of the finite elements (`plastic_contact`).
     """
+    elastic = is_hertzian(impacts, force, indentation)
+    return radius_of(impacts, elastic, indentation), elastic
+
+
+def is_hertzian(impacts: Impacts, force: Number, indentation: Number) -> Any:
+    """Whether a force [N] at an indentation [m] is Hertz's, of a nose that has such a force."""
     scene = impacts.scene
-    modulus, radius = scene.effective_modulus, scene.effective_radius
-    if modulus is None:
-        return force * math.nan, force != force
-    if scene.nose is not None:
-        return elastic_radius(scene, indentation), force != force
-    hertz = hertz_stiffness(modulus, radius) * indentation * root(indentation)
-    off = ratio(abs(force - hertz), hertz)
-    own = impacts.law.value("widening")
-    near = hertzian(own)
-    elastic, square = off <= near, radius * indentation
-    if not any_of(off > near) or scene.oval is not None:
-        return elastic_radius(scene, indentation), elastic
-    plastic, widened = plastic_contact(impacts), math.nan
-    if plastic is not None:
+    if scene.effective_modulus is None or scene.nose is not None:
+        return force != force
+    hertz = hertz_stiffness(scene.effective_modulus, scene.effective_radius) * indentation * root(indentation)
+    return ratio(abs(force - hertz), hertz) <= hertzian(impacts.law.value("widening"))
+
+
+def radius_of(impacts: Impacts, elastic: Any, indentation: Number) -> Number:
+    """As :func:`contact_radius`, where it is known whether contact is Hertz's."""
+    scene, radius = impacts.scene, impacts.scene.effective_radius
+    if scene.effective_modulus is None:
+        return indentation * math.nan
+    if scene.nose is not None or scene.oval is not None or all_of(elastic):
+        return elastic_radius(scene, indentation)
+    plastic, widened, own = plastic_contact(impacts), math.nan, impacts.law.value("widening")
+    if plastic is not None and not all_of(own > 0.0):
         w = greater(indentation / (plastic.first_radius**2.0 * radius), 1.0)
         widened = plastic.widening(w)
     widened = either(own > 0.0, own, widened)
-    return root(either(elastic, square, lesser(square * widened, radius * radius))), elastic
+    square = radius * indentation
+    return root(either(elastic, square, lesser(square * widened, radius * radius)))
 
 
 def stresses_of(problem: Problem, summary: dict[str, Any]) -> dict[str, Any]:

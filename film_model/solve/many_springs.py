@@ -97,10 +97,10 @@ class _Motions:
             alike = places[group.ravel() == k]
             yield from np.split(alike, range(at_once, alike.size, at_once))
 
-    def sampled(self, knots: int) -> Iterator[tuple[Index, Array, tuple[Array, ...], Array]]:
-        """Places of impacts, and the results of `at` at as many knots, or at twice as many where they are `_rough`."""
+    def sampled(self, places: Index, knots: int) -> Iterator[tuple[Index, Array, tuple[Array, ...], Array]]:
+        """These impacts, and the results of `at` at as many knots, or at twice as many where they are `_rough`."""
         left = list[Index]()
-        for some in self.blocks(np.arange(len(self.legs)), knots):
+        for some in self.blocks(places, knots):
             force, radii, power = self.at(some, knots)
             if not self.problem.curve.reversible:
                 rough = _rough(force[:, : knots + 1]) | _rough(radii[0][:, : knots + 1])
@@ -154,7 +154,9 @@ def _followed(
     regime = np.full(count, -1, np.int8)
     finer = KNOTS * (DEFAULT_ACCURACY / tolerance) ** 0.5
     knots = max(levels[0][1] // 8, min(int(finer), springs.STEPS // 8), KNOTS)
-    for some, force, radii, power in motions.sampled(knots):
+    with np.errstate(divide="ignore", invalid="ignore"):
+        alike = np.argsort(abs(velocity) / (friction * scene.approach_velocity), kind="stable")  # slide as long in lanes
+    for some, force, radii, power in motions.sampled(alike, knots):
         numbers = np.stack([modulus[some], power, mass[some], velocity[some], *motions.legs[some].T], axis=1)
         own = np.arange(some.size)
         for level, steps in levels:

@@ -8,26 +8,45 @@
 /* Least rise of the depth in a step that is not taken as none: 1 over it is finite. */
 static const double LEAST_RISE = 1e-200;
 
-/* The springs of a group of impacts, as in film_springs. top: how deep the contact is, as film_springs.reach; met: springs that
- * touch; rate: of q over time in the last step; last: the time of that step; cut: if asked for. */
+/* Rounding of the sum of springs that all slip, and of what is left to move before one of them sticks, which is larger. */
+static const double SUMMED = 1e-12, STUCK = 1e-9;
+
+/* The springs of a group of impacts, as in film_springs, with one over what they divide by. top: how deep the contact is, as
+ * film_springs.reach; met: springs that touch; rise: of q in the last step; cut: if asked for. slides: the sign of a contact all of whose
+ * springs slip, else 0; share: their limit over top - reach; stale: 1 if u is that limit and not put in. */
 typedef struct {
-    double width[GROUP], stiffness[GROUP], power[GROUP], friction[GROUP], mass[GROUP], v[GROUP], q[GROUP], rate[GROUP], last[GROUP];
-    double top[GROUP], cut[GROUP];
+    double per_width[GROUP], stiffness[GROUP], per_stiffness[GROUP], power[GROUP], friction[GROUP], per_mass[GROUP], v[GROUP], q[GROUP];
+    double rise[GROUP], top[GROUP], cut[GROUP], slides[GROUP], share[GROUP];
     double u[FILM_MOST_SPRINGS][GROUP], reach[FILM_MOST_SPRINGS][GROUP], sums[FILM_MOST_SPRINGS + 1][GROUP];
-    int32_t met[GROUP], count[GROUP], spheres; /* spheres: 1 if that is the power of all */
+    int32_t met[GROUP], count[GROUP], spheres, stale; /* spheres: 1 if that is the power of all */
 } spring_group;
 
 /* Springs that do not touch. Those of the impact before in the lane are kept where they are alike. */
 static void put_springs(spring_group *restrict g, int l, const film_springs *s) {
     int32_t alike = g->power[l] == s->power && g->count[l] == s->count ? s->count : 0;
-    g->width[l] = s->width, g->stiffness[l] = s->stiffness, g->power[l] = s->power, g->friction[l] = s->friction;
-    g->mass[l] = s->mass, g->v[l] = s->v, g->count[l] = s->count;
-    g->q[l] = g->rate[l] = g->last[l] = g->top[l] = 0.0, g->met[l] = 0;
+    g->per_width[l] = 1.0 / s->width, g->stiffness[l] = s->stiffness, g->per_stiffness[l] = 1.0 / s->stiffness;
+    g->per_mass[l] = 1.0 / s->mass, g->power[l] = s->power, g->friction[l] = s->friction, g->v[l] = s->v, g->count[l] = s->count;
+    g->q[l] = g->rise[l] = g->top[l] = g->slides[l] = g->share[l] = 0.0, g->met[l] = g->stale = 0;
     g->spheres = (l == 0 || g->spheres) && s->power == 2.0;
     for (int32_t j = alike; j < FILM_MOST_SPRINGS && j < s->count; j++)
         g->reach[j][l] = s->reach[j], g->sums[j + 1][l] = s->sums[j + 1];
     g->sums[0][l] = 0.0;
 }
+
+enum { CHUNK = 16 }; /* steps of a group that are prepared together, since they do not wait for each other */
+
+/* What steps of a group are beside: the force and the radius after each; of a step, its time, the ratio of that to the time before, 0 for
+ * none, and over the mean of both. */
+typedef struct {
+    double force[CHUNK][GROUP], radius[CHUNK][GROUP], h[GROUP], ratio[GROUP], even[GROUP];
+} group_steps;
+
+/* Members after each step, for a friction of 1, as far as they depend on force and radius alone; limit: of the friction force; way: more than
+ * any spring's limit grows. */
+typedef struct {
+    double top[CHUNK][GROUP], share[CHUNK][GROUP], limit[CHUNK][GROUP], way[CHUNK][GROUP];
+    int32_t touch[CHUNK][GROUP];
+} group_plan;
 
 /* Springs from `first` to `last` in a step, and their sum after it: those that do not touch end at 0, one that the contact has just
  * reached moves with it for its part of the step. whole: all of them touch all the time. */
@@ -47,54 +66,123 @@ INLINED void slip_springs(spring_group *restrict g, int32_t first, int32_t last,
     }
 }
 
-/* film_springs_step, by Adams's rules for steps of any time; in one of none a contact that jumps wide or narrow does so. */
-CALLED void slide_group(spring_group *restrict g, const double *restrict h, const double *restrict force, const double *restrict radius,
-                        int watched) {
-    double widths[GROUP], top[GROUP], all[GROUP], moved[GROUP], per_share[GROUP], per_grown[GROUP], sum[GROUP] = {0.0};
-    int32_t touch[GROUP], last = 0, least = FILM_MOST_SPRINGS;
+/* The depths and springs of a step. */
+CALLED void plan_step(const spring_group *restrict g, const double *restrict radius, double *restrict top, double *restrict sums, int32_t *restrict touch) {
     EACH_OF(l) {
-        widths[l] = radius[l] / g->width[l];
-        double springs = widths[l] - 0.5, most = g->count[l];
+        double widths = radius[l] * g->per_width[l], springs = widths - 0.5, most = g->count[l];
         springs = springs > 0.0 ? springs : 0.0;
         springs = springs < most ? springs : most;
         touch[l] = (int32_t)springs;
         touch[l] += touch[l] < springs;
-        top[l] = widths[l] * widths[l];
-        g->cut[l] = 0.0;
+        double n = touch[l];
+        top[l] = widths * widths;
+        sums[l] = n * (n * n * (1.0 / 3.0) - 1.0 / 12.0);
     }
-    for (int l = 0; !g->spheres && l < GROUP; l++) top[l] = film_springs_reached(g->power[l], widths[l]);
+    for (int l = 0; !g->spheres && l < GROUP; l++) {
+        if (g->power[l] == 2.0) continue;
+        top[l] = film_springs_reached(g->power[l], radius[l] * g->per_width[l]);
+        sums[l] = g->sums[touch[l]][l];
+    }
+}
+
+/* Its limits, from those before. A limit is linear in reach, and springs that the contact has just reached are as one at the edge. */
+CALLED void limit_step(const spring_group *restrict g, const double *restrict force, const double *restrict top, const double *restrict sums,
+                       const int32_t *restrict touch, const double *restrict top_before, const double *restrict share_before,
+                       double *restrict share, double *restrict limit, double *restrict way) {
+    EACH_OF(l) {
+        double all = touch[l] * top[l] - sums[l], first = g->reach[0][l], before = top_before[l], own = share_before[l];
+        double now = all > 0.0 ? force[l] * g->per_stiffness[l] / all : 0.0;
+        double edge = (top[l] - before) * now, inner = (top[l] - first) * now - (before - first) * own;
+        limit[l] = all > 0.0 ? force[l] : 0.0;
+        way[l] = (inner > edge ? inner : edge) + STUCK * (top[l] * now + before * own);
+        share[l] = now;
+    }
+}
+
+/* A plan of every `each` of some steps. */
+static void plan_steps(const spring_group *restrict g, const group_steps *restrict of, int each, int count, group_plan *restrict to) {
+    double sums[CHUNK][GROUP];
+    for (int i = 0; i < count; i++) plan_step(g, of->radius[(i + 1) * each - 1], to->top[i], sums[i], to->touch[i]);
+    for (int i = 0; i < count; i++)
+        limit_step(g, of->force[(i + 1) * each - 1], to->top[i], sums[i], to->touch[i], i > 0 ? to->top[i - 1] : g->top,
+                   i > 0 ? to->share[i - 1] : g->share, to->share[i], to->limit[i], to->way[i]);
+}
+
+/* How far the far points move in a step, and the signs of contacts that slide on; whether all do. one: 1 if friction is one number. */
+CALLED int begin_step(const spring_group *restrict g, const group_steps *restrict s, const double *restrict way, int one,
+                      double *restrict moved, double *restrict sign) {
+    double slide = 0.0;
+    EACH_OF(l) {
+        moved[l] = (g->v[l] - s->h[l] * g->per_mass[l] * (0.5 * g->q[l] + g->rise[l] * s->ratio[l] * (1.0 / 6.0))) * s->h[l];
+        sign[l] = one && g->slides[l] * moved[l] > g->friction[l] * way[l] ? g->slides[l] : 0.0;
+    }
+    for (int l = 0; l < GROUP; l++) slide += sign[l] * sign[l];
+    return slide == GROUP;
+}
+
+/* The springs of contacts that all slide. */
+CALLED void put_limits(spring_group *restrict g, int32_t last) {
+    for (int32_t j = 0; j < last; j++) EACH_OF(l) {
+        double most = (g->top[l] - g->reach[j][l]) * (g->share[l] * g->friction[l]);
+        g->u[j][l] = j < g->met[l] && most > 0.0 ? g->slides[l] * most : 0.0;
+    }
+    g->stale = 0;
+}
+
+/* The springs that slip or stick. */
+CALLED void move_springs(spring_group *restrict g, const double *restrict top, const double *restrict share, const int32_t *restrict touch,
+                         const double *restrict moved, int watched, double *restrict sum) {
+    double per_grown[GROUP], per_share[GROUP];
+    int32_t last = 0, least = FILM_MOST_SPRINGS;
     for (int l = 0; l < GROUP; l++) {
         int32_t fewer = touch[l] < g->met[l] ? touch[l] : g->met[l], more = touch[l] + g->met[l] - fewer;
         least = fewer < least ? fewer : least;
         last = more > last ? more : last;
-        all[l] = touch[l] * top[l] - g->sums[touch[l]][l];
     }
     EACH_OF(l) {
         double grown = top[l] - g->top[l];
-        moved[l] = (g->v[l] - h[l] / g->mass[l] * (0.5 * g->q[l] + g->rate[l] * h[l] / 6.0)) * h[l];
-        per_share[l] = all[l] > 0.0 ? g->friction[l] * force[l] / (g->stiffness[l] * all[l]) : 0.0;
         per_grown[l] = 1.0 / (grown > LEAST_RISE ? grown : LEAST_RISE);
+        per_share[l] = share[l] * g->friction[l];
+        g->cut[l] = 0.0;
     }
     least = least > 1 && !watched ? least - 1 : 0; /* the last spring may touch by rounding alone */
+    if (g->stale) put_limits(g, last);
     slip_springs(g, 0, least, top, per_share, per_grown, moved, 1, 0, sum);
     if (watched) slip_springs(g, 0, last, top, per_share, per_grown, moved, 0, 1, sum);
     else slip_springs(g, least, last, top, per_share, per_grown, moved, 0, 0, sum);
+}
+
+/* film_springs_step, by Adams's rules for steps of any time; in one of none a contact that jumps wide or narrow does so. */
+CALLED void end_step(spring_group *restrict g, const group_steps *restrict s, const double *restrict unit, const double *restrict sign,
+                     const double *restrict sum, int timed) {
     EACH_OF(l) {
-        double before = g->q[l], q = g->stiffness[l] * sum[l], change = q - before, both = h[l] + g->last[l];
-        double even = g->last[l] > 0.0 ? 2.0 * h[l] / both : 1.0; /* the step over the mean of it and the one before */
-        g->v[l] -= h[l] / g->mass[l] * (0.5 * (before + q) - even * (change - g->rate[l] * h[l]) / 12.0);
+        double limit = g->friction[l] * unit[l], summed = g->stiffness[l] * sum[l];
+        double whole = summed >= (1.0 - SUMMED) * limit ? 1.0 : summed <= (SUMMED - 1.0) * limit ? -1.0 : 0.0;
+        double before = g->q[l], q = sign[l] != 0.0 ? sign[l] * limit : summed, change = q - before;
+        double bent = s->even[l] * (change - g->rise[l] * s->ratio[l]) * (1.0 / 12.0);
+        g->v[l] -= s->h[l] * g->per_mass[l] * (0.5 * (before + q) - bent);
         g->q[l] = q;
-        g->rate[l] = h[l] > 0.0 ? change / h[l] : g->rate[l];
-        g->last[l] = h[l] > 0.0 ? h[l] : g->last[l];
-        g->top[l] = top[l];
+        g->slides[l] = sign[l] != 0.0 ? sign[l] : limit > 0.0 ? whole : 0.0;
+        g->rise[l] = timed ? change : g->rise[l];
     }
-    memcpy(g->met, touch, sizeof touch);
+}
+
+static void slide_group(spring_group *restrict g, const group_steps *restrict s, const group_plan *restrict p, int i, int one, int timed, int watched) {
+    double sum[GROUP] = {0.0}, moved[GROUP], sign[GROUP];
+    int slides = begin_step(g, s, p->way[i], one, moved, sign);
+    if (!slides) move_springs(g, p->top[i], p->share[i], p->touch[i], moved, watched, sum);
+    for (int l = 0; slides && watched && l < GROUP; l++) g->cut[l] = sign[l] * p->touch[i][l];
+    end_step(g, s, p->limit[i], sign, sum, timed);
+    g->stale = slides;
+    memcpy(g->top, p->top[i], sizeof g->top);
+    memcpy(g->share, p->share[i], sizeof g->share);
+    memcpy(g->met, p->touch[i], sizeof g->met);
 }
 
 /* film_springs_take, if the coefficient depends on the speed. */
 static void take_friction(spring_group *restrict g, const double *restrict h, const double *const *table, int32_t rows) {
     for (int l = 0; rows > 1 && l < GROUP; l++)
-        g->friction[l] = film_friction_at(table[l], rows, fabs(g->v[l] - h[l] * g->q[l] / g->mass[l]));
+        g->friction[l] = film_friction_at(table[l], rows, fabs(g->v[l] - h[l] * g->q[l] * g->per_mass[l]));
 }
 
 /* What one group has done so far, and what it is from: a leg of contact in steps, each between two of its knots. when: time of the largest |q|. near_forces, near_radii: at the four
@@ -124,7 +212,7 @@ CALLED void take_knots(sliding_group *restrict s, int64_t begin, int64_t first, 
 /* The cubic through four knots at x from the first of them, at least 0. */
 CALLED void between_knots(double (*restrict near)[GROUP], double x, double *restrict out) {
     double a = x - 1.0, b = x - 2.0, c = x - 3.0;
-    double w0 = -a * b * c / 6.0, w1 = x * b * c / 2.0, w2 = -x * a * c / 2.0, w3 = x * a * b / 6.0;
+    double w0 = -a * b * c * (1.0 / 6.0), w1 = 0.5 * x * b * c, w2 = -0.5 * x * a * c, w3 = x * a * b * (1.0 / 6.0);
     EACH_OF(l) {
         double value = w0 * near[0][l] + w1 * near[1][l] + w2 * near[2][l] + w3 * near[3][l];
         out[l] = value > 0.0 ? value : 0.0;
@@ -146,20 +234,30 @@ static int watch_group(sliding_group *restrict s, const double *before, const do
 /* How much of a leg is passed after step i. */
 static double passed(const sliding_group *s, int out, int64_t i, int64_t steps) { return out ? 1.0 - s->share[steps - i] : s->share[i]; }
 
-/* Step i of a leg in the finest run, and the steps of others that end with it; step 0 takes no time. */
-CALLED void step_group(sliding_group *restrict s, int out, int64_t i, int64_t steps, const double *leg, int32_t rows, const double *force,
-                       const double *radius, int watched) {
-    double now = passed(s, out, i, steps);
-    for (int k = 0; k < FILM_SPRINGS_RUNS && i % (1 << k) == 0; k++) {
-        double h[GROUP], part = i > 0 ? now - passed(s, out, i - (1 << k), steps) : 0.0;
-        EACH_OF(l) h[l] = part * leg[l];
-        take_friction(&s->runs[k], h, s->table, rows);
-        slide_group(&s->runs[k], h, force, radius, watched && k == 0);
-        if (k == 0) continue;
-        EACH_OF(l) {
-            double apart = fabs(s->runs[k - 1].v[l] - s->runs[k].v[l]);
-            s->apart[k][l] = apart > s->apart[k][l] ? apart : s->apart[k][l];
-        }
+/* How far two runs are apart. */
+CALLED void put_apart(sliding_group *restrict s, int k, const double *restrict fine, const double *restrict coarse) {
+    EACH_OF(l) {
+        double apart = fabs(fine[l] - coarse[l]);
+        s->apart[k][l] = apart > s->apart[k][l] ? apart : s->apart[k][l];
+    }
+}
+
+/* The times of a step that is a part of a leg; ratio: as in group_steps. */
+CALLED void time_step(group_steps *restrict step, double part, double ratio, const double *restrict leg) {
+    double even = ratio > 0.0 ? 2.0 * ratio / (1.0 + ratio) : 1.0;
+    EACH_OF(l) step->h[l] = part * leg[l];
+    EACH_OF(l) step->ratio[l] = ratio;
+    EACH_OF(l) step->even[l] = even;
+}
+
+/* Step i of a leg in run k. */
+static void begin_time(const sliding_group *s, group_steps *to, int out, int64_t i, int64_t one, int64_t steps, double (*legs)[GROUP]) {
+    double now = passed(s, out, i, steps), part = i > 0 ? now - passed(s, out, i - one, steps) : 0.0;
+    double before = i > one ? now - part - passed(s, out, i - 2 * one, steps) : 0.0, turned = out && i == one ? 1.0 - s->share[steps - one] : 0.0;
+    time_step(to, part, before > 0.0 ? part / before : 0.0, legs[out]);
+    for (int l = 0; turned > 0.0 && l < GROUP; l++) {
+        to->ratio[l] = to->h[l] / (turned * legs[0][l]);
+        to->even[l] = 2.0 * to->ratio[l] / (1.0 + to->ratio[l]);
     }
 }
 
@@ -176,23 +274,47 @@ CALLED void measure_step(sliding_group *restrict s, const double *restrict begin
     }
 }
 
+/* Force and radius after steps `first` + 1 on of a leg, or after step 0. */
+static void take_steps(sliding_group *restrict s, group_steps *restrict to, int out, int64_t first, int count, double per, int64_t knots) {
+    int64_t near = -2;
+    for (int k = 0; k < count; k++) {
+        double x = (double)(first + k) * per;
+        int64_t own = first + k > 0 ? (int64_t)(x - 0.5 * per) : 0, at = own < 1 ? 0 : own - 1 < knots - 3 ? own - 1 : knots - 3;
+        take_knots(s, out * (knots + 1), at, near);
+        near = at;
+        between_knots(s->near_forces, x - (double)near, to->force[k]);
+        between_knots(s->near_radii, x - (double)near, to->radius[k]);
+    }
+}
+
 /* A leg of contact; whether impacts are left without a phase. out: 1 on the way out, which begins with a step of no time: where the contact turns its radius may jump. */
 static int follow_leg(sliding_group *restrict s, int out, double (*legs)[GROUP], int32_t rows, int64_t steps, int64_t knots, int watched) {
-    double force[GROUP], radius[GROUP], before[GROUP], time[GROUP], per = (double)knots / (double)steps, *leg = legs[out];
-    int64_t begin = out * (knots + 1), near = -2;
-    EACH_OF(l) before[l] = s->radii[l][begin];
-    for (int64_t i = !out; i <= steps; i++) {
-        double x = (double)i * per, share = passed(s, out, i, steps), part = i > 0 ? share - passed(s, out, i - 1, steps) : 0.0;
-        int64_t own = i > 0 ? (int64_t)(x - 0.5 * per) : 0, first = own < 1 ? 0 : own - 1 < knots - 3 ? own - 1 : knots - 3;
-        take_knots(s, begin, first, near);
-        near = first;
-        between_knots(s->near_forces, x - (double)near, force);
-        between_knots(s->near_radii, x - (double)near, radius);
-        step_group(s, out, i, steps, leg, rows, force, radius, watched);
-        EACH_OF(l) time[l] = part * leg[l];
-        if (watched && i > 0) watched = watch_group(s, before, radius, time) < GROUP;
-        measure_step(s, out ? legs[0] : NULL, share, leg, time, force);
-        memcpy(before, radius, sizeof before);
+    double before[GROUP], v[FILM_SPRINGS_RUNS][CHUNK][GROUP], per = (double)knots / (double)steps;
+    group_steps of;
+    group_plan plan;
+    EACH_OF(l) before[l] = s->radii[l][out * (knots + 1)];
+    for (int64_t first = !out; first <= steps;) {
+        int64_t left = steps - first + 1;
+        int count = first == 0 ? 1 : left < CHUNK ? (int)left : CHUNK;
+        take_steps(s, &of, out, first, count, per, knots);
+        for (int k = 0; k < FILM_SPRINGS_RUNS; k++) {
+            int each = first == 0 ? 1 : 1 << k;
+            spring_group *g = &s->runs[k];
+            plan_steps(g, &of, each, count / each, &plan);
+            for (int j = 0; j < count / each; j++) {
+                int64_t i = first == 0 ? 0 : first - 1 + (j + 1) * each;
+                begin_time(s, &of, out, i, each, steps, legs);
+                take_friction(g, of.h, s->table, rows);
+                slide_group(g, &of, &plan, j, rows == 1, i > 0, watched && k == 0);
+                memcpy(v[k][j], g->v, sizeof g->v);
+                if (k > 0) put_apart(s, k, v[k - 1][first == 0 ? 0 : 2 * j + 1], v[k][j]);
+                if (k > 0) continue;
+                if (watched && i > 0) watched = watch_group(s, before, of.radius[j], of.h) < GROUP;
+                measure_step(s, out ? legs[0] : NULL, passed(s, out, i, steps), legs[out], of.h, of.force[j]);
+                memcpy(before, of.radius[j], sizeof before);
+            }
+        }
+        first += count;
     }
     return watched;
 }

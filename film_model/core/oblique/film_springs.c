@@ -38,9 +38,10 @@ double film_springs_power(const film_curve *curve) {
     return force->slope != 0.0 || force->square != 0.0 || force->exponent < 1.0 ? SPHERE : fmin(1.0 / (force->exponent - 1.0), FILM_MOST_POWER);
 }
 
-int film_springs_init(film_springs *state, int32_t count, double modulus, double largest, double power, double friction, double mass,
-                      double velocity) {
-    memset(state, 0, sizeof *state);
+/* The numbers of springs, and what they reach unless it is known. */
+static int prepare(film_springs *state, int32_t count, double modulus, double largest, double power, double friction, double mass,
+                   double velocity) {
+    int known = state->count == count && state->power == power;
     if (count < 1 || count > FILM_MOST_SPRINGS || !(power >= 0.0 && power <= FILM_MOST_POWER)) return FILM_BAD_NUMBER;
     if (!positive(modulus) || !positive(largest) || !positive(mass)) return FILM_BAD_NUMBER;
     if (!(isfinite(friction) && friction >= 0.0 && isfinite(velocity))) return FILM_BAD_NUMBER;
@@ -48,11 +49,17 @@ int film_springs_init(film_springs *state, int32_t count, double modulus, double
     state->width = largest / count;
     state->stiffness = 8.0 * modulus * state->width;
     state->power = power, state->friction = friction, state->mass = mass, state->v = velocity;
-    for (int32_t j = 0; power > 0.0 && j < count; j++) {
-        state->reach[j] = reached(state, (j + 0.5) * state->width);
+    for (int32_t j = 0; !known && j < count; j++) {
+        state->reach[j] = power > 0.0 ? film_springs_reached(power, j + 0.5) : 0.0;
         state->sums[j + 1] = state->sums[j] + state->reach[j];
     }
     return FILM_OK;
+}
+
+int film_springs_init(film_springs *state, int32_t count, double modulus, double largest, double power, double friction, double mass,
+                      double velocity) {
+    memset(state, 0, sizeof *state);
+    return prepare(state, count, modulus, largest, power, friction, mass, velocity);
 }
 
 /* Springs of twice the distance, until none beyond the last is reached at a radius: half as many for what there is, and new ones beyond. */
@@ -216,7 +223,7 @@ int film_springs_begin(film_springs *runs, int32_t count, double modulus, double
     for (int64_t i = 0; i <= steps; i++) largest = radius[i] > largest ? radius[i] : largest;
     for (int32_t k = 0; k < FILM_SPRINGS_RUNS && status == FILM_OK; k++, count /= 2) {
         double to = power > 0.0 ? largest * (count / (count + EDGE)) : largest;
-        status = film_springs_init(&runs[k], count, modulus, to, power, friction, mass, velocity);
+        status = prepare(&runs[k], count, modulus, to, power, friction, mass, velocity);
         runs[k].even = 1;
     }
     return status;
@@ -244,6 +251,7 @@ int film_springs_impact(int32_t count, double modulus, double power, double mass
         double *row = motion + 3 * first;
         watch->phase = -1, watch->passed = begins[contact], watch->waited = 0.0;
         watch->sign = watch->cut = watch->partly = 0;
+        memset(runs, 0, sizeof runs);
         status = film_springs_begin(runs, count, modulus, power, mass, result->velocity, friction[1], steps, radii);
         if (status != FILM_OK) return status;
         row[0] = result->velocity, row[1] = row[2] = 0.0;

@@ -84,7 +84,8 @@ FILM_API int film_springs_impact(int32_t count, double modulus, double power, do
                                  int64_t contacts, const double *begins, const double *time, int64_t steps, const double *force,
                                  const double *radius, film_springs_impact_result *result, double *motion);
 
-/* Its parts, which impacts in lanes share. begin: springs of the finest run and of two with half and a quarter of springs and steps.
+/* Its parts, which impacts in lanes share. begin: springs of the finest run and of two with half and a quarter of springs and steps, in
+ * runs that are 0 or have begun before and not moved.
  * end: what follows from the largest differences of the velocities of two runs in a contact, and from the sums of the limits and of |q|
  * up to its end. */
 enum { FILM_SPRINGS_RUNS = 3 };

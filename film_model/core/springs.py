@@ -86,17 +86,19 @@ def knots(count: int, legs: Array) -> Array:
     return times
 
 
-def many(count: int, steps: int, friction: Array, numbers: Array, force: Array, radius: Array) -> NDArray[Any]:
+def many(
+    count: int, steps: int, friction: Array, numbers: Array, force: Array, radius: Array, estimated: bool = True
+) -> NDArray[Any]:
     """Results (MANY_DTYPE) of impacts without their motions. steps: of a leg. friction: pairs as in :func:`impact`, of
     all or (impacts, pairs, 2). numbers: modulus, power, mass, velocity and the times of the turn and the end, (impacts,
-    6). force, radius: at the times of :func:`knots`."""
+    6). force, radius: at the times of :func:`knots`. estimated: or with an error of 0."""
     numbers, friction, force, radius = (
         np.ascontiguousarray(values, np.float64) for values in (numbers, friction, force, radius)
     )
     found: NDArray[Any] = np.empty(len(force), MANY_DTYPE)
     table = friction.ctypes.data, friction.shape[-2], friction.ndim == 2
     at = force.ctypes.data, radius.ctypes.data, found.ctypes.data
-    sizes = native.instructions(), len(force), count
+    sizes = native.instructions(), len(force), count, estimated
     _library().film_springs_many(*sizes, numbers.ctypes.data, *table, steps, force.shape[1] // 2 - 1, *at)
     return found
 

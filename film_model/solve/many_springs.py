@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -23,7 +24,7 @@ from film_model.scene.rolling import sliding_of
 from film_model.solve.accuracy import mesh_of
 from film_model.solve.many_meshes import recorded_segments
 
-KNOTS = 32
+KNOTS = 31
 """Of each leg of contact at which a motion is sampled, for accuracies from 1e-4 on."""
 
 ROUGH = 2e-3
@@ -92,7 +93,7 @@ class _Motions:
     def blocks(self, places: Index, knots: int) -> Iterator[Index]:
         """These impacts in parts of one mesh each, whose samples a processor's cache holds."""
         _, group = np.unique(self.segments[places], axis=0, return_inverse=True)
-        at_once = max(SAMPLES // (2 * knots), 1)
+        at_once = max(SAMPLES // (2 * knots + 2), 1)
         for k in range(int(group.max(initial=-1)) + 1):
             alike = places[group.ravel() == k]
             yield from np.split(alike, range(at_once, alike.size, at_once))
@@ -104,12 +105,13 @@ class _Motions:
             force, radii, power = self.at(some, knots)
             if not self.problem.curve.reversible:
                 rough = _rough(force[:, : knots + 1]) | _rough(radii[0][:, : knots + 1])
-                left.append(some[rough])
-                some, force, power = some[~rough], force[~rough], power[~rough]
-                radii = tuple(radius[~rough] for radius in radii)
+                if rough.any():
+                    left.append(some[rough])
+                    some, force, power = some[~rough], force[~rough], power[~rough]
+                    radii = tuple(radius[~rough] for radius in radii)
             yield some, force, radii, power
-        for some in self.blocks(np.concatenate([*left, np.arange(0)]), 2 * knots):
-            yield some, *self.at(some, 2 * knots)
+        for some in self.blocks(np.concatenate([*left, np.arange(0)]), 2 * knots + 1):
+            yield some, *self.at(some, 2 * knots + 1)
 
     def at(self, places: Index, knots: int) -> tuple[Array, tuple[Array, ...], Array]:
         """Forces and contact radii of some impacts at the knots of their legs, (impacts, times), SI, radii of a law
@@ -131,6 +133,16 @@ class _Motions:
         return force, (first, second / column(problem.scene.effective_modulus, places.size)[:, None]), power
 
 
+@lru_cache(maxsize=8)
+def _weights(knots: int) -> Array:
+    """Of values at the knots of the way in, for their integral over its time, by cubics over the x of film_leg_share."""
+    x, even = np.arange(knots + 1) / knots, np.zeros(knots + 1)
+    for i in range(knots):
+        at, own = (i - 1, [-1, 13, 13, -1]) if 0 < i < knots - 1 else (0, [9, 19, -5, 1]) if i == 0 else (i - 2, [1, -5, 19, 9])
+        even[at : at + 4] += np.array(own) / (24 * knots)
+    return even * 2.0 * 17.0**0.25 * x * (1.0 + 8.0 * x**4) * (1.0 + 16.0 * x**4) ** -1.25
+
+
 def _rough(values: Array) -> NDArray[np.bool_]:
     """Which values at knots up to the turn have a kink or jump between."""
     odd = values[:, 3:-3:2]
@@ -150,35 +162,47 @@ def _followed(
     friction = column(given.friction, count)
     pairs = np.stack([np.zeros(count), friction], axis=1)[:, None]
     after, error, slack = np.full((3, models, count), np.nan)
-    peak, when, taken = np.full((3, count), np.nan)
+    peak, when = np.full((2, count), np.nan)
     regime = np.full(count, -1, np.int8)
     finer = KNOTS * (DEFAULT_ACCURACY / tolerance) ** 0.5
-    knots = max(levels[0][1] // 8, min(int(finer), springs.STEPS // 8), KNOTS)
+    knots = max(min(int(finer), springs.STEPS // 8), KNOTS)
     with np.errstate(divide="ignore", invalid="ignore"):
         alike = np.argsort(abs(velocity) / (friction * scene.approach_velocity), kind="stable")  # slide as long in lanes
+    sampled = np.full(count, np.nan)
     for some, force, radii, power in motions.sampled(alike, knots):
+        weights, half, legs = _weights(force.shape[1] // 2 - 1), force.shape[1] // 2, motions.legs[some]
+        sampled[some] = (force[:, :half] @ weights) * legs[:, 0]
+        sampled[some] += (force[:, half:] @ weights[::-1]) * (legs[:, 1] - legs[:, 0])
         numbers = np.stack([modulus[some], power, mass[some], velocity[some], *motions.legs[some].T], axis=1)
-        own = np.arange(some.size)
+        allowed, wanted = tolerance * abs(velocity[some]), np.zeros(some.size)
         for level, steps in levels:
+            own = np.flatnonzero(wanted <= level)
+            if own.size == 0:
+                continue
             table, left = pairs[some[own]] if given.table is None else given.pairs, (numbers[own], force[own])
-            runs = [core.many(level, steps // 2, table, *left, radius[own]) for radius in radii[:models]]
+            first = level == levels[0][0]
+            runs = [
+                core.many(level, steps // 2, table, *left, radius[own], k == 0)
+                for k, radius in enumerate(radii[: models if first else 1])
+            ]
             known = np.all([run["status"] == native.OK for run in runs], axis=0)
             done, of = some[own[known]], [run[known] for run in runs]
-            for name, values in (("velocity", after), ("error", error), ("slack", slack)):
-                values[:, done] = [run[name] for run in of]
-            peak[done], regime[done], when[done], taken[done] = of[0]["force"], of[0]["regime"], of[0]["time"], steps
-            own = own[springs.SAFETY * error[0, some[own]] > tolerance * abs(velocity[some[own]])]
-            if own.size == 0:
-                break
+            for name, values in (("velocity", after), ("slack", slack)):
+                values[: len(of), done] = [run[name] for run in of]
+            error[: len(of), done] = of[0]["error"]
+            peak[done], regime[done], when[done] = of[0]["force"], of[0]["regime"], of[0]["time"]
+            over = springs.SAFETY * error[0, some[own]] / allowed[own]
+            wanted[own] = np.where(over > 1.0, np.minimum(level * over**0.5, levels[-1][0]), np.inf)
+            wanted[own] = np.where(level < levels[-1][0], wanted[own], np.inf)
     error *= springs.SAFETY
     rows = np.flatnonzero((slack <= springs.SLIDING).any(axis=0))
     impulse = column(normal_impulse(scene, problem, normal.rebound, normal.end), count)
     sliding = given._replace(friction=friction[rows], mass=mass[rows], velocity=velocity[rows])
     after[:, rows] = np.where(slack[:, rows] <= springs.SLIDING, slid(sliding, impulse[rows]), after[:, rows])
     found = results(scene, given, normal.rebound, after[0], (peak, when))
-    before, of_force = abs(velocity), error_of_force(normal.estimated)
+    before, of_force = abs(velocity), error_of_force(np.maximum(normal.estimated, abs(sampled / impulse - 1.0)))
     if models > 1:
-        found |= zip(BOUNDS, springs.bracket(after, error, taken, before, of_force), strict=True)
+        found |= zip(BOUNDS, springs.bracket(after, error, levels[0][1], before, of_force), strict=True)
     summary = {name: column(value, count) for name, value in found.items()}
     with np.errstate(divide="ignore", invalid="ignore"):
         return after[0] == after[0], summary, regime, error[0] / before + of_force

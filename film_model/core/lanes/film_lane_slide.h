@@ -288,7 +288,8 @@ static void take_steps(sliding_group *restrict s, group_steps *restrict to, int 
 }
 
 /* A leg of contact; whether impacts are left without a phase. out: 1 on the way out, which begins with a step of no time: where the contact turns its radius may jump. */
-static int follow_leg(sliding_group *restrict s, int out, double (*legs)[GROUP], int32_t rows, int64_t steps, int64_t knots, int watched) {
+static int follow_leg(sliding_group *restrict s, int out, double (*legs)[GROUP], int32_t rows, int64_t steps, int64_t knots, int runs,
+                      int watched) {
     double before[GROUP], v[FILM_SPRINGS_RUNS][CHUNK][GROUP], per = (double)knots / (double)steps;
     group_steps of;
     group_plan plan;
@@ -297,7 +298,7 @@ static int follow_leg(sliding_group *restrict s, int out, double (*legs)[GROUP],
         int64_t left = steps - first + 1;
         int count = first == 0 ? 1 : left < CHUNK ? (int)left : CHUNK;
         take_steps(s, &of, out, first, count, per, knots);
-        for (int k = 0; k < FILM_SPRINGS_RUNS; k++) {
+        for (int k = 0; k < runs; k++) {
             int each = first == 0 ? 1 : 1 << k;
             spring_group *g = &s->runs[k];
             plan_steps(g, &of, each, count / each, &plan);
@@ -320,11 +321,12 @@ static int follow_leg(sliding_group *restrict s, int out, double (*legs)[GROUP],
 }
 
 /* film_springs_many; an incomplete group is filled up with its first impact. */
-static void slide_lanes(int64_t count, int32_t springs, const double *numbers, const double *friction, int32_t rows, int shared,
+static void slide_lanes(int64_t count, int32_t springs, int32_t estimated, const double *numbers, const double *friction, int32_t rows, int shared,
                         int64_t steps, int64_t knots, const double *force, const double *radius, film_springs_brief *results) {
     sliding_group s;
     film_springs runs[FILM_SPRINGS_RUNS];
     int64_t values = 2 * (knots + 1);
+    int of = estimated ? FILM_SPRINGS_RUNS : 1;
     memset(&s, 0, sizeof s);
     memset(runs, 0, sizeof runs);
     for (int64_t i = 0; i <= steps && i <= FILM_MOST_STEPS; i++) s.share[i] = film_leg_share((double)i / (double)steps);
@@ -332,19 +334,19 @@ static void slide_lanes(int64_t count, int32_t springs, const double *numbers, c
         double legs[2][GROUP];
         int status[GROUP];
         memset(s.force, 0, offsetof(sliding_group, table) - offsetof(sliding_group, force));
-        for (int k = 0; k < FILM_SPRINGS_RUNS; k++) memset(s.runs[k].u, 0, (size_t)(springs >> k) * sizeof s.runs[k].u[0]);
+        for (int k = 0; k < of; k++) memset(s.runs[k].u, 0, (size_t)(springs >> k) * sizeof s.runs[k].u[0]);
         for (int l = 0; l < GROUP; l++) {
             int64_t i = first + (first + l < count ? l : 0);
             const double *n = numbers + 6 * i;
             s.table[l] = friction + (shared ? 0 : 2 * rows * i);
             s.forces[l] = force + i * values, s.radii[l] = radius + i * values;
             s.found[l] = (film_springs_impact_result){.velocity = n[3], .watch = {.phase = -1}};
-            status[l] = film_springs_begin(runs, springs, n[0], n[1], n[2], n[3], s.table[l][1], values - 1, s.radii[l]);
-            for (int k = 0; k < FILM_SPRINGS_RUNS; k++) put_springs(&s.runs[k], l, &runs[k]);
+            status[l] = film_springs_begin(runs, of, springs, n[0], n[1], n[2], n[3], s.table[l][1], values - 1, s.radii[l]);
+            for (int k = 0; k < of; k++) put_springs(&s.runs[k], l, &runs[k]);
             legs[0][l] = n[4], legs[1][l] = n[5] - n[4];
         }
-        int watched = follow_leg(&s, 0, legs, rows, steps, knots, 1);
-        follow_leg(&s, 1, legs, rows, steps, knots, watched);
+        int watched = follow_leg(&s, 0, legs, rows, steps, knots, of, 1);
+        follow_leg(&s, 1, legs, rows, steps, knots, of, watched);
         for (int l = 0; l < GROUP && first + l < count; l++) {
             film_springs_impact_result *found = &s.found[l];
             if (status[l] == FILM_OK) {

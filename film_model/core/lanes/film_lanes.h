@@ -118,7 +118,7 @@ typedef struct {
     void (*sample)(const film_curve *curve, const film_line *lines, int32_t line_count, const double *times, int64_t count,
                    double *values, int64_t stride);
     /* film_springs_many */
-    void (*slide)(int64_t count, int32_t springs, const double *numbers, const double *friction, int32_t rows, int shared, int64_t steps,
+    void (*slide)(int64_t count, int32_t springs, int32_t estimated, const double *numbers, const double *friction, int32_t rows, int shared, int64_t steps,
                   int64_t knots, const double *force, const double *radius, film_springs_brief *results);
 } block_routines;
 

@@ -215,13 +215,13 @@ static void judge(film_springs_impact_result *result) {
     watch->events = kept;
 }
 
-int film_springs_begin(film_springs *runs, int32_t count, double modulus, double power, double mass, double velocity, double friction,
+int film_springs_begin(film_springs *runs, int32_t all, int32_t count, double modulus, double power, double mass, double velocity, double friction,
                        int64_t steps, const double *radius) {
     double largest = 0.0;
     int status = FILM_OK;
     if (power == 0.0) count = 4; /* all springs are alike */
     for (int64_t i = 0; i <= steps; i++) largest = radius[i] > largest ? radius[i] : largest;
-    for (int32_t k = 0; k < FILM_SPRINGS_RUNS && status == FILM_OK; k++, count /= 2) {
+    for (int32_t k = 0; k < all && status == FILM_OK; k++, count /= 2) {
         double to = power > 0.0 ? largest * (count / (count + EDGE)) : largest;
         status = prepare(&runs[k], count, modulus, to, power, friction, mass, velocity);
         runs[k].even = 1;
@@ -252,7 +252,7 @@ int film_springs_impact(int32_t count, double modulus, double power, double mass
         watch->phase = -1, watch->passed = begins[contact], watch->waited = 0.0;
         watch->sign = watch->cut = watch->partly = 0;
         memset(runs, 0, sizeof runs);
-        status = film_springs_begin(runs, count, modulus, power, mass, result->velocity, friction[1], steps, radii);
+        status = film_springs_begin(runs, FILM_SPRINGS_RUNS, count, modulus, power, mass, result->velocity, friction[1], steps, radii);
         if (status != FILM_OK) return status;
         row[0] = result->velocity, row[1] = row[2] = 0.0;
         for (int64_t i = 1; i <= steps; i++) {

@@ -84,12 +84,12 @@ FILM_API int film_springs_impact(int32_t count, double modulus, double power, do
                                  int64_t contacts, const double *begins, const double *time, int64_t steps, const double *force,
                                  const double *radius, film_springs_impact_result *result, double *motion);
 
-/* Its parts, which impacts in lanes share. begin: springs of the finest run and of two with half and a quarter of springs and steps, in
- * runs that are 0 or have begun before and not moved.
+/* Its parts, which impacts in lanes share. begin: springs of the finest of all runs and of those with half and a quarter of springs and
+ * steps, in runs that are 0 or have begun before and not moved.
  * end: what follows from the largest differences of the velocities of two runs in a contact, and from the sums of the limits and of |q|
  * up to its end. */
 enum { FILM_SPRINGS_RUNS = 3 };
-int film_springs_begin(film_springs *runs, int32_t count, double modulus, double power, double mass, double velocity, double friction,
+int film_springs_begin(film_springs *runs, int32_t all, int32_t count, double modulus, double power, double mass, double velocity, double friction,
                        int64_t steps, const double *radius);
 int film_springs_end(film_springs_impact_result *result, double last, double before, double limits, double used);
 
@@ -108,9 +108,10 @@ FILM_API void film_springs_knots(int64_t count, int64_t knots, const double *leg
 
 /* count impacts side by side, without their motions. numbers: of each modulus, power, mass, velocity and the times of the turn and the
  * end. friction: `rows` pairs of all if shared is 1, else of each. steps: of each leg, a multiple of 4 up to FILM_MOST_STEPS. force,
- * radius: at the times of film_springs_knots, with cubics between; the radius may jump at the turn. knots: at least 3. */
-FILM_API void film_springs_many(int instructions, int64_t count, int32_t springs, const double *numbers, const double *friction,
-                                int32_t rows, int shared, int64_t steps, int64_t knots, const double *force, const double *radius,
+ * radius: at the times of film_springs_knots, with cubics between; the radius may jump at the turn. knots: at least 3. estimated:
+ * 0 for an error of 0, without the runs that tell it. */
+FILM_API void film_springs_many(int instructions, int64_t count, int32_t springs, int32_t estimated, const double *numbers,
+                                const double *friction, int32_t rows, int shared, int64_t steps, int64_t knots, const double *force, const double *radius,
                                 film_springs_brief *results);
 
 /* How many springs touch. */

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
@@ -156,6 +157,12 @@ class Plastic:
         """a²/(R δ)."""
         return self.contact_radius(w) ** 2.0 / w
 
+    def tabled_widening(self, w: Any) -> Any:
+        """The same within 1e-5 in an array, of one contact."""
+        if any(isinstance(value, np.ndarray) for value in (self.yield_strain, self.exponent, self.share, self.curvature)):
+            return self.widening(w)
+        return np.interp(np.log(w), *_widenings(self))
+
     def contact_radius(self, w: Any) -> Any:
         """a over that at first yield."""
         if not any_of(self.share > 0.0):
@@ -174,6 +181,13 @@ class Plastic:
         stiffer = 1.0 + own.stiffening * exponential(-own.stiffening_hardened * self.exponent) * now.reached
         sunk = 1.0 - (1.0 - SUNK) * now.reached
         return self.radius_of(now, w) * stiffer / (1.0 - self.share + self.share * sunk * stiffer)
+
+
+@lru_cache(maxsize=16)
+def _widenings(plastic: Plastic) -> tuple[Any, Any]:
+    """Logarithms of w up to the end, and the widening there."""
+    logarithms = np.linspace(0.0, math.log(plastic.end), 2049)
+    return logarithms, plastic.widening(np.exp(logarithms))
 
 
 def pressure_factor(poissons_ratio: Any) -> Any:

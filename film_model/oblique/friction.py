@@ -214,7 +214,7 @@ def radius_beyond_yield(problem: Problem, depth: Array, force: Array) -> Array:
     elastic = is_hertzian(problem.impacts, force, depth)
     # a force that has left Hertz's meets it again by chance alone
     left = np.logical_or.accumulate(~elastic & (depth > 0.0), axis=0)
-    return np.asarray(radius_of(problem.impacts, elastic & ~left, depth))
+    return np.asarray(radius_of(problem.impacts, elastic & ~left, depth, tabled=True))
 
 
 def results(

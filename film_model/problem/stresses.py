@@ -65,8 +65,8 @@ def is_hertzian(impacts: Impacts, force: Number, indentation: Number) -> Any:
     return ratio(abs(force - hertz), hertz) <= hertzian(impacts.law.value("widening"))
 
 
-def radius_of(impacts: Impacts, elastic: Any, indentation: Number) -> Number:
-    """As :func:`contact_radius`, where it is known whether contact is Hertz's."""
+def radius_of(impacts: Impacts, elastic: Any, indentation: Number, tabled: bool = False) -> Number:
+    """As :func:`contact_radius`, where it is known whether contact is Hertz's. tabled: within 1e-5 in arrays."""
     scene, radius = impacts.scene, impacts.scene.effective_radius
     if scene.effective_modulus is None:
         return indentation * math.nan
@@ -75,7 +75,7 @@ def radius_of(impacts: Impacts, elastic: Any, indentation: Number) -> Number:
     plastic, widened, own = plastic_contact(impacts), math.nan, impacts.law.value("widening")
     if plastic is not None and not all_of(own > 0.0):
         w = greater(indentation / (plastic.first_radius**2.0 * radius), 1.0)
-        widened = plastic.widening(w)
+        widened = plastic.tabled_widening(w) if tabled else plastic.widening(w)
     widened = either(own > 0.0, own, widened)
     square = radius * indentation
     return root(either(elastic, square, lesser(square * widened, radius * radius)))

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from film_model.base.arrays import Array, Index, column
+from film_model.base.arrays import Array, Index, column, index_or_all
 from film_model.core import families, native
 from film_model.core import springs as core
 from film_model.core.friction import COARSE, ERRORS, EXACT, QUICK
@@ -92,7 +92,8 @@ class _Motions:
 
     def blocks(self, places: Index, knots: int) -> Iterator[Index]:
         """These impacts in parts of one mesh each, whose samples a processor's cache holds."""
-        _, group = np.unique(self.segments[places], axis=0, return_inverse=True)
+        inwards, outwards = self.segments[places].T
+        _, group = np.unique(inwards * (MOST_SEGMENTS + 1) + outwards, return_inverse=True)
         at_once = max(SAMPLES // (2 * knots + 2), 1)
         for k in range(int(group.max(initial=-1)) + 1):
             alike = places[group.ravel() == k]
@@ -167,7 +168,7 @@ def _followed(
     finer = KNOTS * (DEFAULT_ACCURACY / tolerance) ** 0.5
     knots = max(min(int(finer), springs.STEPS // 8), KNOTS)
     with np.errstate(divide="ignore", invalid="ignore"):
-        alike = np.argsort(abs(velocity) / (friction * scene.approach_velocity), kind="stable")  # slide as long in lanes
+        alike = np.argsort(abs(velocity) / (friction * scene.approach_velocity))  # slide as long in lanes
     sampled = np.full(count, np.nan)
     for some, force, radii, power in motions.sampled(alike, knots):
         weights, half, legs = _weights(force.shape[1] // 2 - 1), force.shape[1] // 2, motions.legs[some]
@@ -176,8 +177,8 @@ def _followed(
         numbers = np.stack([modulus[some], power, mass[some], velocity[some], *motions.legs[some].T], axis=1)
         allowed, wanted = tolerance * abs(velocity[some]), np.zeros(some.size)
         for level, steps in levels:
-            own = np.flatnonzero(wanted <= level)
-            if own.size == 0:
+            own = index_or_all(np.flatnonzero(wanted <= level), some.size)
+            if not some[own].size:
                 continue
             table, left = pairs[some[own]] if given.table is None else given.pairs, (numbers[own], force[own])
             first = level == levels[0][0]
@@ -186,7 +187,7 @@ def _followed(
                 for k, radius in enumerate(radii[: models if first else 1])
             ]
             known = np.all([run["status"] == native.OK for run in runs], axis=0)
-            done, of = some[own[known]], [run[known] for run in runs]
+            done, of = some[own][known], [run[known] for run in runs]
             for name, values in (("velocity", after), ("slack", slack)):
                 values[: len(of), done] = [run[name] for run in of]
             error[: len(of), done] = of[0]["error"]

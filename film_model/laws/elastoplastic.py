@@ -161,7 +161,10 @@ class Plastic:
         """The same within 1e-5 in an array, of one contact."""
         if any(isinstance(value, np.ndarray) for value in (self.yield_strain, self.exponent, self.share, self.curvature)):
             return self.widening(w)
-        return np.interp(np.log(w), *_widenings(self))
+        per, widening, rise = _widenings(self)
+        place = np.minimum(np.log(w) * per, rise.size - 1)
+        below = place.astype(np.intp)
+        return widening[below] + (place - below) * rise[below]
 
     def contact_radius(self, w: Any) -> Any:
         """a over that at first yield."""
@@ -184,10 +187,11 @@ class Plastic:
 
 
 @lru_cache(maxsize=16)
-def _widenings(plastic: Plastic) -> tuple[Any, Any]:
-    """Logarithms of w up to the end, and the widening there."""
+def _widenings(plastic: Plastic) -> tuple[float, Any, Any]:
+    """Places per ln w, up to the end, the widening there, and its rise to the next."""
     logarithms = np.linspace(0.0, math.log(plastic.end), 2049)
-    return logarithms, plastic.widening(np.exp(logarithms))
+    widening = plastic.widening(np.exp(logarithms))
+    return 1.0 / float(logarithms[1]), widening, np.append(np.diff(widening), 0.0)
 
 
 def pressure_factor(poissons_ratio: Any) -> Any:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Any, NamedTuple
 
@@ -30,6 +30,12 @@ KNOTS = 31
 ROUGH = 2e-3
 """Of the largest force or radius, by which knots lie beside the cubic through every other one where the law has a kink
 or a jump (tests/test_friction_estimate.py)."""
+
+RECORDED = 5
+"""Segments of a loading stage with which motions under laws that yield are recorded."""
+
+MISSED = 1e-4
+"""Relative error of the impulse of a record up to which it is exact enough, under laws that yield."""
 
 SAMPLES = 65_536
 """Of normal motions at a time, which a processor's cache holds and with powers of 2 for knots fills lanes."""
@@ -69,25 +75,31 @@ def by_springs(
     accuracy = solver.accuracy or DEFAULT_ACCURACY
     tolerance = accuracy if problem.curve.reversible else max(accuracy, MODELLED)
     levels = springs.LEVELS[int(tolerance < MODELLED) :] if coarseness(solver) else springs.LEVELS[-1:]
-    segments, mesh = normal.segments, mesh_of(solver, (1, 1))
-    damped = problem.damping > 0.0
-    if not (problem.own.alike and bool(np.all(damped)) and families.by_series(problem.curve.native, mesh)):
+    segments, mesh, scene = normal.segments, mesh_of(solver, (1, 1)), problem.impacts.scene
+    damped, finer = problem.damping > 0.0, segments
+    if tolerance >= MODELLED and solver.accuracy is not None and solver.linearisation != "chord":
+        segments = np.tile(np.array(problem.curve.segments(RECORDED), np.int32), (len(segments), 1))
+    elif not (problem.own.alike and bool(np.all(damped)) and families.by_series(problem.curve.native, mesh)):
         segments = recorded_segments(problem, solver, segments)
         # of damped motions twice those with which the ends meet the accuracy: the force between is up to 1e-3 less
         # exact (tests/test_friction_estimate.py)
         segments = np.minimum(np.where(damped[:, None], 2 * segments, segments), MOST_SEGMENTS)
-    motions = _Motions(problem, segments, np.stack([normal.turn, normal.end], axis=1), solver)
+    impulse = column(normal_impulse(scene, problem, normal.rebound, normal.end), len(segments))
+    legs = np.stack([normal.turn, normal.end], axis=1)
+    motions = _Motions(problem, segments, np.maximum(segments, finer), legs, impulse, solver)
     return _followed(motions, normal, tolerance, levels, 2 if bounded and not problem.curve.reversible else 1)
 
 
 @dataclass(frozen=True)
 class _Motions:
-    """Normal motions of impacts, by lines on their curves. segments: of their meshes. legs: times of turn and end, s,
-    (impacts, 2)."""
+    """Normal motions of impacts, by lines on their curves. segments: of their meshes; finer: of those that are not
+    exact enough. legs: times of turn and end, s, (impacts, 2). impulse: N·s."""
 
     problem: Problem
     segments: NDArray[np.int32]
+    finer: NDArray[np.int32]
     legs: Array
+    impulse: Array
     solver: Solver
 
     def blocks(self, places: Index, knots: int) -> Iterator[Index]:
@@ -99,39 +111,45 @@ class _Motions:
             alike = places[group.ravel() == k]
             yield from np.split(alike, range(at_once, alike.size, at_once))
 
-    def sampled(self, places: Index, knots: int) -> Iterator[tuple[Index, Array, tuple[Array, ...], Array]]:
-        """These impacts, and the results of `at` at as many knots, or at twice as many where they are `_rough`."""
+    def sampled(self, places: Index, knots: int) -> Iterator[tuple[Index, Array, tuple[Array, ...], Array, Array]]:
+        """These impacts, and the results of `at` at as many knots, or at twice as many on finer meshes where they are
+        `_rough` or their impulse is not exact."""
         left = list[Index]()
         for some in self.blocks(places, knots):
-            force, radii, power = self.at(some, knots)
+            force, radii, power, missed = self.at(some, knots)
             if not self.problem.curve.reversible:
-                rough = _rough(force[:, : knots + 1]) | _rough(radii[0][:, : knots + 1])
+                rough = _rough(force[:, : knots + 1]) | _rough(radii[0][:, : knots + 1]) | (missed > MISSED)
                 if rough.any():
                     left.append(some[rough])
-                    some, force, power = some[~rough], force[~rough], power[~rough]
+                    some, force, power, missed = some[~rough], force[~rough], power[~rough], missed[~rough]
                     radii = tuple(radius[~rough] for radius in radii)
-            yield some, force, radii, power
+            yield some, force, radii, power, missed
+        again = replace(self, segments=self.finer)
         for some in self.blocks(np.concatenate([*left, np.arange(0)]), 2 * knots + 1):
-            yield some, *self.at(some, 2 * knots + 1)
+            yield some, *again.at(some, 2 * knots + 1)
 
-    def at(self, places: Index, knots: int) -> tuple[Array, tuple[Array, ...], Array]:
+    def at(self, places: Index, knots: int) -> tuple[Array, tuple[Array, ...], Array, Array]:
         """Forces and contact radii of some impacts at the knots of their legs, (impacts, times), SI, radii of a law
         that yields under two models; nan without a record. Last the power with which the depth of each grows with its
-        radius."""
+        radius, and the relative error of the impulse."""
         problem = self.problem.part(places)
         scales = problem.scales.part((slice(None), None))
         counts = self.segments[places[0]].tolist()
         times = core.knots(knots, self.legs[places] / scales.time)
         force, depth, slope, power = problem.motions(mesh_of(self.solver, (counts[0], counts[1])), times)
         force = np.maximum(force, 0.0, out=force) * scales.force
+        legs, weights = self.legs[places], _weights(knots)
+        impulse = (force[:, : knots + 1] @ weights) * legs[:, 0]
+        impulse += (force[:, knots + 1 :] @ weights[::-1]) * (legs[:, 1] - legs[:, 0])
+        missed = abs(impulse / self.impulse[places] - 1.0)
         if slope is not None:
             modulus = column(problem.scene.effective_modulus, places.size)[:, None]
-            return force, (slope * (scales.force / scales.length / (2.0 * modulus)),), power
+            return force, (slope * (scales.force / scales.length / (2.0 * modulus)),), power, missed
         depth *= scales.length
         law, inwards = np.full(depth.shape, np.nan), slice(knots + 1)
         law[:, inwards] = radius_beyond_yield(problem, depth[:, inwards].T, force[:, inwards].T).T
         first, second = core.radii(force, depth, law, 1.0)
-        return force, (first, second / column(problem.scene.effective_modulus, places.size)[:, None]), power
+        return force, (first, second / column(problem.scene.effective_modulus, places.size)[:, None]), power, missed
 
 
 @lru_cache(maxsize=8)
@@ -169,11 +187,8 @@ def _followed(
     knots = max(min(int(finer), springs.STEPS // 8), KNOTS)
     with np.errstate(divide="ignore", invalid="ignore"):
         alike = np.argsort(abs(velocity) / (friction * scene.approach_velocity))  # slide as long in lanes
-    sampled = np.full(count, np.nan)
-    for some, force, radii, power in motions.sampled(alike, knots):
-        weights, half, legs = _weights(force.shape[1] // 2 - 1), force.shape[1] // 2, motions.legs[some]
-        sampled[some] = (force[:, :half] @ weights) * legs[:, 0]
-        sampled[some] += (force[:, half:] @ weights[::-1]) * (legs[:, 1] - legs[:, 0])
+    missed = np.full(count, np.nan)
+    for some, force, radii, power, missed[some] in motions.sampled(alike, knots):  # noqa
         numbers = np.stack([modulus[some], power, mass[some], velocity[some], *motions.legs[some].T], axis=1)
         allowed, wanted = tolerance * abs(velocity[some]), np.zeros(some.size)
         for level, steps in levels:
@@ -197,11 +212,11 @@ def _followed(
             wanted[own] = np.where(level < levels[-1][0], wanted[own], np.inf)
     error *= springs.SAFETY
     rows = np.flatnonzero((slack <= springs.SLIDING).any(axis=0))
-    impulse = column(normal_impulse(scene, problem, normal.rebound, normal.end), count)
+    impulse = motions.impulse
     sliding = given._replace(friction=friction[rows], mass=mass[rows], velocity=velocity[rows])
     after[:, rows] = np.where(slack[:, rows] <= springs.SLIDING, slid(sliding, impulse[rows]), after[:, rows])
     found = results(scene, given, normal.rebound, after[0], (peak, when))
-    before, of_force = abs(velocity), error_of_force(np.maximum(normal.estimated, abs(sampled / impulse - 1.0)))
+    before, of_force = abs(velocity), error_of_force(np.maximum(normal.estimated, missed))
     if models > 1:
         found |= zip(BOUNDS, springs.bracket(after, error, levels[0][1], before, of_force), strict=True)
     summary = {name: column(value, count) for name, value in found.items()}

@@ -74,7 +74,7 @@ def by_springs(
     """
     accuracy = solver.accuracy or DEFAULT_ACCURACY
     tolerance = accuracy if problem.curve.reversible else max(accuracy, MODELLED)
-    levels = springs.LEVELS[int(tolerance < MODELLED) :] if coarseness(solver) else springs.LEVELS[-1:]
+    levels = springs.LEVELS[2 * int(tolerance < MODELLED) :] if coarseness(solver) else springs.LEVELS[-1:]
     segments, mesh, scene = normal.segments, mesh_of(solver, (1, 1)), problem.impacts.scene
     damped, finer = problem.damping > 0.0, segments
     if tolerance >= MODELLED and solver.accuracy is not None and solver.linearisation != "chord":

@@ -5,6 +5,10 @@
 
 #include "lanes/film_lane_power.h"
 
+/* Lanes of a group whose springs slip side by side: more would not fit into the nearest cache, fewer wait for each other. */
+enum { SPRUNG = LANES < 16 ? LANES : 16 };
+#define EACH_SPRUNG(l) for (int l = 0; l < SPRUNG; l++)
+
 /* Least rise of the depth in a step that is not taken as none: 1 over it is finite. */
 static const double LEAST_RISE = 1e-200;
 
@@ -15,18 +19,19 @@ static const double SUMMED = 1e-12, STUCK = 1e-9;
  * film_springs.reach; met: springs that touch; rise: of q in the last step; cut: if asked for. slides: the sign of a contact all of whose
  * springs slip, else 0; share: their limit over top - reach; stale: 1 if u is that limit and not put in. */
 typedef struct {
-    double per_width[GROUP], stiffness[GROUP], per_stiffness[GROUP], power[GROUP], friction[GROUP], per_mass[GROUP], v[GROUP], q[GROUP];
-    double rise[GROUP], top[GROUP], cut[GROUP], slides[GROUP], share[GROUP];
-    double u[FILM_MOST_SPRINGS][GROUP], reach[FILM_MOST_SPRINGS][GROUP], sums[FILM_MOST_SPRINGS + 1][GROUP];
-    int32_t met[GROUP], count[GROUP], spheres, stale; /* spheres: 1 if that is the power of all */
+    double per_width[SPRUNG], stiffness[SPRUNG], per_stiffness[SPRUNG], power[SPRUNG], friction[SPRUNG], per_mass[SPRUNG], v[SPRUNG], q[SPRUNG];
+    double rise[SPRUNG], top[SPRUNG], cut[SPRUNG], slides[SPRUNG], share[SPRUNG];
+    double met[SPRUNG], count[SPRUNG];
+    double u[FILM_MOST_SPRINGS][SPRUNG], reach[FILM_MOST_SPRINGS][SPRUNG], sums[FILM_MOST_SPRINGS + 1][SPRUNG];
+    int32_t spheres, stale; /* spheres: 1 if that is the power of all */
 } spring_group;
 
 /* Springs that do not touch. Those of the impact before in the lane are kept where they are alike. */
 static void put_springs(spring_group *restrict g, int l, const film_springs *s) {
-    int32_t alike = g->power[l] == s->power && g->count[l] == s->count ? s->count : 0;
+    int32_t alike = g->power[l] == s->power && g->count[l] == (double)s->count ? s->count : 0;
     g->per_width[l] = 1.0 / s->width, g->stiffness[l] = s->stiffness, g->per_stiffness[l] = 1.0 / s->stiffness;
     g->per_mass[l] = 1.0 / s->mass, g->power[l] = s->power, g->friction[l] = s->friction, g->v[l] = s->v, g->count[l] = s->count;
-    g->q[l] = g->rise[l] = g->top[l] = g->slides[l] = g->share[l] = 0.0, g->met[l] = g->stale = 0;
+    g->q[l] = g->rise[l] = g->top[l] = g->slides[l] = g->share[l] = g->met[l] = 0.0, g->stale = 0;
     g->spheres = (l == 0 || g->spheres) && s->power == 2.0;
     for (int32_t j = alike; j < FILM_MOST_SPRINGS && j < s->count; j++)
         g->reach[j][l] = s->reach[j], g->sums[j + 1][l] = s->sums[j + 1];
@@ -38,25 +43,24 @@ enum { CHUNK = 16 }; /* steps of a group that are prepared together, since they 
 /* What steps of a group are beside: the force and the radius after each; of a step, its time, the ratio of that to the time before, 0 for
  * none, and over the mean of both. */
 typedef struct {
-    double force[CHUNK][GROUP], radius[CHUNK][GROUP], h[GROUP], ratio[GROUP], even[GROUP];
+    double force[CHUNK][SPRUNG], radius[CHUNK][SPRUNG], h[SPRUNG], ratio[SPRUNG], even[SPRUNG];
 } group_steps;
 
 /* Members after each step, for a friction of 1, as far as they depend on force and radius alone; limit: of the friction force; way: more than
  * any spring's limit grows. */
 typedef struct {
-    double top[CHUNK][GROUP], share[CHUNK][GROUP], limit[CHUNK][GROUP], way[CHUNK][GROUP];
-    int32_t touch[CHUNK][GROUP];
+    double top[CHUNK][SPRUNG], touch[CHUNK][SPRUNG], share[CHUNK][SPRUNG], limit[CHUNK][SPRUNG], way[CHUNK][SPRUNG];
 } group_plan;
 
 /* Springs from `first` to `last` in a step, and their sum after it: those that do not touch end at 0, one that the contact has just
  * reached moves with it for its part of the step. whole: all of them touch all the time. */
 INLINED void slip_springs(spring_group *restrict g, int32_t first, int32_t last, const double *restrict top, const double *restrict per_share,
                           const double *restrict per_grown, const double *restrict moved, int whole, int watched, double *restrict sum) {
-    for (int32_t j = first; j < last; j++) EACH_OF(l) {
+    for (int32_t j = first; j < last; j++) EACH_SPRUNG(l) {
         double left = top[l] - g->reach[j][l], most = left * per_share[l], part = left * per_grown[l];
         most = whole || most > 0.0 ? most : 0.0;
         part = part < 1.0 ? part : 1.0;
-        part = whole || j < g->met[l] ? 1.0 : part;
+        part = whole || (double)j < g->met[l] ? 1.0 : part;
         double u = g->u[j][l] + moved[l] * part;
         if (watched) g->cut[l] += left > 0.0 ? (u > most ? 1.0 : 0.0) - (u < -most ? 1.0 : 0.0) : 0.0;
         u = u < -most ? -most : u;
@@ -67,29 +71,26 @@ INLINED void slip_springs(spring_group *restrict g, int32_t first, int32_t last,
 }
 
 /* The depths and springs of a step. */
-CALLED void plan_step(const spring_group *restrict g, const double *restrict radius, double *restrict top, double *restrict sums, int32_t *restrict touch) {
-    EACH_OF(l) {
-        double widths = radius[l] * g->per_width[l], springs = widths - 0.5, most = g->count[l];
-        springs = springs > 0.0 ? springs : 0.0;
-        springs = springs < most ? springs : most;
-        touch[l] = (int32_t)springs;
-        touch[l] += touch[l] < springs;
-        double n = touch[l];
+CALLED void plan_step(const spring_group *restrict g, const double *restrict radius, double *restrict top, double *restrict sums, double *restrict touch) {
+    static const double shift = 6755399441055744.0; /* 1.5 2^52: adding and subtracting it rounds to a whole number */
+    EACH_SPRUNG(l) {
+        double widths = radius[l] * g->per_width[l], nearest = (widths + shift) - shift, n = nearest < g->count[l] ? nearest : g->count[l];
+        touch[l] = n;
         top[l] = widths * widths;
         sums[l] = n * (n * n * (1.0 / 3.0) - 1.0 / 12.0);
     }
-    for (int l = 0; !g->spheres && l < GROUP; l++) {
+    for (int l = 0; !g->spheres && l < SPRUNG; l++) {
         if (g->power[l] == 2.0) continue;
         top[l] = film_springs_reached(g->power[l], radius[l] * g->per_width[l]);
-        sums[l] = g->sums[touch[l]][l];
+        sums[l] = g->sums[(int32_t)touch[l]][l];
     }
 }
 
 /* Its limits, from those before. A limit is linear in reach, and springs that the contact has just reached are as one at the edge. */
 CALLED void limit_step(const spring_group *restrict g, const double *restrict force, const double *restrict top, const double *restrict sums,
-                       const int32_t *restrict touch, const double *restrict top_before, const double *restrict share_before,
+                       const double *restrict touch, const double *restrict top_before, const double *restrict share_before,
                        double *restrict share, double *restrict limit, double *restrict way) {
-    EACH_OF(l) {
+    EACH_SPRUNG(l) {
         double all = touch[l] * top[l] - sums[l], first = g->reach[0][l], before = top_before[l], own = share_before[l];
         double now = all > 0.0 ? force[l] * g->per_stiffness[l] / all : 0.0;
         double edge = (top[l] - before) * now, inner = (top[l] - first) * now - (before - first) * own;
@@ -101,7 +102,7 @@ CALLED void limit_step(const spring_group *restrict g, const double *restrict fo
 
 /* A plan of every `each` of some steps. */
 static void plan_steps(const spring_group *restrict g, const group_steps *restrict of, int each, int count, group_plan *restrict to) {
-    double sums[CHUNK][GROUP];
+    double sums[CHUNK][SPRUNG];
     for (int i = 0; i < count; i++) plan_step(g, of->radius[(i + 1) * each - 1], to->top[i], sums[i], to->touch[i]);
     for (int i = 0; i < count; i++)
         limit_step(g, of->force[(i + 1) * each - 1], to->top[i], sums[i], to->touch[i], i > 0 ? to->top[i - 1] : g->top,
@@ -112,34 +113,35 @@ static void plan_steps(const spring_group *restrict g, const group_steps *restri
 CALLED int begin_step(const spring_group *restrict g, const group_steps *restrict s, const double *restrict way, int one,
                       double *restrict moved, double *restrict sign) {
     double slide = 0.0;
-    EACH_OF(l) {
+    EACH_SPRUNG(l) {
         moved[l] = (g->v[l] - s->h[l] * g->per_mass[l] * (0.5 * g->q[l] + g->rise[l] * s->ratio[l] * (1.0 / 6.0))) * s->h[l];
         sign[l] = one && g->slides[l] * moved[l] > g->friction[l] * way[l] ? g->slides[l] : 0.0;
     }
-    for (int l = 0; l < GROUP; l++) slide += sign[l] * sign[l];
-    return slide == GROUP;
+    for (int l = 0; l < SPRUNG; l++) slide += sign[l] * sign[l];
+    return slide == SPRUNG;
 }
 
 /* The springs of contacts that all slide. */
 CALLED void put_limits(spring_group *restrict g, int32_t last) {
-    for (int32_t j = 0; j < last; j++) EACH_OF(l) {
+    for (int32_t j = 0; j < last; j++) EACH_SPRUNG(l) {
         double most = (g->top[l] - g->reach[j][l]) * (g->share[l] * g->friction[l]);
-        g->u[j][l] = j < g->met[l] && most > 0.0 ? g->slides[l] * most : 0.0;
+        g->u[j][l] = (double)j < g->met[l] && most > 0.0 ? g->slides[l] * most : 0.0;
     }
     g->stale = 0;
 }
 
 /* The springs that slip or stick. */
-CALLED void move_springs(spring_group *restrict g, const double *restrict top, const double *restrict share, const int32_t *restrict touch,
+CALLED void move_springs(spring_group *restrict g, const double *restrict top, const double *restrict share, const double *restrict touch,
                          const double *restrict moved, int watched, double *restrict sum) {
-    double per_grown[GROUP], per_share[GROUP];
-    int32_t last = 0, least = FILM_MOST_SPRINGS;
-    for (int l = 0; l < GROUP; l++) {
-        int32_t fewer = touch[l] < g->met[l] ? touch[l] : g->met[l], more = touch[l] + g->met[l] - fewer;
-        least = fewer < least ? fewer : least;
-        last = more > last ? more : last;
+    double per_grown[SPRUNG], per_share[SPRUNG];
+    double most = 0.0, fewest = FILM_MOST_SPRINGS;
+    for (int l = 0; l < SPRUNG; l++) {
+        double fewer = touch[l] < g->met[l] ? touch[l] : g->met[l], more = touch[l] + g->met[l] - fewer;
+        fewest = fewer < fewest ? fewer : fewest;
+        most = more > most ? more : most;
     }
-    EACH_OF(l) {
+    int32_t last = (int32_t)most, least = (int32_t)fewest;
+    EACH_SPRUNG(l) {
         double grown = top[l] - g->top[l];
         per_grown[l] = 1.0 / (grown > LEAST_RISE ? grown : LEAST_RISE);
         per_share[l] = share[l] * g->friction[l];
@@ -152,27 +154,40 @@ CALLED void move_springs(spring_group *restrict g, const double *restrict top, c
     else slip_springs(g, least, last, top, per_share, per_grown, moved, 0, 0, sum);
 }
 
-/* film_springs_step, by Adams's rules for steps of any time; in one of none a contact that jumps wide or narrow does so. */
+/* film_springs_step, by Adams's rules for steps of any time, to a friction force. */
+INLINED void end_in(spring_group *restrict g, const group_steps *restrict s, int l, double q, int timed) {
+    double before = g->q[l], change = q - before, bent = s->even[l] * (change - g->rise[l] * s->ratio[l]) * (1.0 / 12.0);
+    g->v[l] -= s->h[l] * g->per_mass[l] * (0.5 * (before + q) - bent);
+    g->q[l] = q;
+    g->rise[l] = timed ? change : g->rise[l];
+}
+
+/* A step that takes no time is for a contact that jumps wide or narrow. */
 CALLED void end_step(spring_group *restrict g, const group_steps *restrict s, const double *restrict unit, const double *restrict sign,
                      const double *restrict sum, int timed) {
-    EACH_OF(l) {
+    EACH_SPRUNG(l) {
         double limit = g->friction[l] * unit[l], summed = g->stiffness[l] * sum[l];
         double whole = summed >= (1.0 - SUMMED) * limit ? 1.0 : summed <= (SUMMED - 1.0) * limit ? -1.0 : 0.0;
-        double before = g->q[l], q = sign[l] != 0.0 ? sign[l] * limit : summed, change = q - before;
-        double bent = s->even[l] * (change - g->rise[l] * s->ratio[l]) * (1.0 / 12.0);
-        g->v[l] -= s->h[l] * g->per_mass[l] * (0.5 * (before + q) - bent);
-        g->q[l] = q;
+        end_in(g, s, l, sign[l] != 0.0 ? sign[l] * limit : summed, timed);
         g->slides[l] = sign[l] != 0.0 ? sign[l] : limit > 0.0 ? whole : 0.0;
-        g->rise[l] = timed ? change : g->rise[l];
     }
 }
 
+/* The same where all slide on. */
+CALLED void end_slide(spring_group *restrict g, const group_steps *restrict s, const double *restrict unit, const double *restrict sign, int timed) {
+    EACH_SPRUNG(l) end_in(g, s, l, sign[l] * (g->friction[l] * unit[l]), timed);
+}
+
 static void slide_group(spring_group *restrict g, const group_steps *restrict s, const group_plan *restrict p, int i, int one, int timed, int watched) {
-    double sum[GROUP] = {0.0}, moved[GROUP], sign[GROUP];
+    double sum[SPRUNG] = {0.0}, moved[SPRUNG], sign[SPRUNG];
     int slides = begin_step(g, s, p->way[i], one, moved, sign);
-    if (!slides) move_springs(g, p->top[i], p->share[i], p->touch[i], moved, watched, sum);
-    for (int l = 0; slides && watched && l < GROUP; l++) g->cut[l] = sign[l] * p->touch[i][l];
-    end_step(g, s, p->limit[i], sign, sum, timed);
+    if (slides) {
+        end_slide(g, s, p->limit[i], sign, timed);
+        for (int l = 0; watched && l < SPRUNG; l++) g->cut[l] = sign[l] * p->touch[i][l];
+    } else {
+        move_springs(g, p->top[i], p->share[i], p->touch[i], moved, watched, sum);
+        end_step(g, s, p->limit[i], sign, sum, timed);
+    }
     g->stale = slides;
     memcpy(g->top, p->top[i], sizeof g->top);
     memcpy(g->share, p->share[i], sizeof g->share);
@@ -181,7 +196,7 @@ static void slide_group(spring_group *restrict g, const group_steps *restrict s,
 
 /* film_springs_take, if the coefficient depends on the speed. */
 static void take_friction(spring_group *restrict g, const double *restrict h, const double *const *table, int32_t rows) {
-    for (int l = 0; rows > 1 && l < GROUP; l++)
+    for (int l = 0; rows > 1 && l < SPRUNG; l++)
         g->friction[l] = film_friction_at(table[l], rows, fabs(g->v[l] - h[l] * g->q[l] * g->per_mass[l]));
 }
 
@@ -189,31 +204,31 @@ static void take_friction(spring_group *restrict g, const double *restrict h, co
  * knots around a step. */
 typedef struct {
     spring_group runs[FILM_SPRINGS_RUNS];
-    double force[GROUP], when[GROUP], limits[GROUP], used[GROUP], apart[FILM_SPRINGS_RUNS][GROUP];
-    const double *table[GROUP], *forces[GROUP], *radii[GROUP];
+    double force[SPRUNG], when[SPRUNG], limits[SPRUNG], used[SPRUNG], apart[FILM_SPRINGS_RUNS][SPRUNG];
+    const double *table[SPRUNG], *forces[SPRUNG], *radii[SPRUNG];
     double share[FILM_MOST_STEPS + 1]; /* of a leg, after each of its steps on the way in */
-    double near_forces[4][GROUP], near_radii[4][GROUP];
-    film_springs_impact_result found[GROUP];
+    double near_forces[4][SPRUNG], near_radii[4][SPRUNG];
+    film_springs_impact_result found[SPRUNG];
 } sliding_group;
 
 /* The four knots from `first` of a leg on, whose values begin at `begin`; the last four were from `before` on. */
 CALLED void take_knots(sliding_group *restrict s, int64_t begin, int64_t first, int64_t before) {
     int k = 0;
     if (first == before) return;
-    for (; first == before + 1 && k < 3; k++) EACH_OF(l) {
+    for (; first == before + 1 && k < 3; k++) EACH_SPRUNG(l) {
         s->near_forces[k][l] = s->near_forces[k + 1][l];
         s->near_radii[k][l] = s->near_radii[k + 1][l];
     }
     for (; k < 4; k++)
-        for (int l = 0; l < GROUP; l++)
+        for (int l = 0; l < SPRUNG; l++)
             s->near_forces[k][l] = s->forces[l][begin + first + k], s->near_radii[k][l] = s->radii[l][begin + first + k];
 }
 
 /* The cubic through four knots at x from the first of them, at least 0. */
-CALLED void between_knots(double (*restrict near)[GROUP], double x, double *restrict out) {
+CALLED void between_knots(double (*restrict near)[SPRUNG], double x, double *restrict out) {
     double a = x - 1.0, b = x - 2.0, c = x - 3.0;
     double w0 = -a * b * c * (1.0 / 6.0), w1 = 0.5 * x * b * c, w2 = -0.5 * x * a * c, w3 = x * a * b * (1.0 / 6.0);
-    EACH_OF(l) {
+    EACH_SPRUNG(l) {
         double value = w0 * near[0][l] + w1 * near[1][l] + w2 * near[2][l] + w3 * near[3][l];
         out[l] = value > 0.0 ? value : 0.0;
     }
@@ -223,9 +238,9 @@ CALLED void between_knots(double (*restrict near)[GROUP], double x, double *rest
 static int watch_group(sliding_group *restrict s, const double *before, const double *radius, const double *time) {
     const spring_group *fine = &s->runs[0];
     int known = 0;
-    for (int l = 0; l < GROUP; l++) {
+    for (int l = 0; l < SPRUNG; l++) {
         film_watch *watch = &s->found[l].watch;
-        if (watch->events == 0) film_springs_watch(watch, (int32_t)fine->cut[l], fine->met[l], before[l], radius[l], time[l]);
+        if (watch->events == 0) film_springs_watch(watch, (int32_t)fine->cut[l], (int32_t)fine->met[l], before[l], radius[l], time[l]);
         known += watch->events > 0;
     }
     return known;
@@ -236,7 +251,7 @@ static double passed(const sliding_group *s, int out, int64_t i, int64_t steps) 
 
 /* How far two runs are apart. */
 CALLED void put_apart(sliding_group *restrict s, int k, const double *restrict fine, const double *restrict coarse) {
-    EACH_OF(l) {
+    EACH_SPRUNG(l) {
         double apart = fabs(fine[l] - coarse[l]);
         s->apart[k][l] = apart > s->apart[k][l] ? apart : s->apart[k][l];
     }
@@ -245,17 +260,17 @@ CALLED void put_apart(sliding_group *restrict s, int k, const double *restrict f
 /* The times of a step that is a part of a leg; ratio: as in group_steps. */
 CALLED void time_step(group_steps *restrict step, double part, double ratio, const double *restrict leg) {
     double even = ratio > 0.0 ? 2.0 * ratio / (1.0 + ratio) : 1.0;
-    EACH_OF(l) step->h[l] = part * leg[l];
-    EACH_OF(l) step->ratio[l] = ratio;
-    EACH_OF(l) step->even[l] = even;
+    EACH_SPRUNG(l) step->h[l] = part * leg[l];
+    EACH_SPRUNG(l) step->ratio[l] = ratio;
+    EACH_SPRUNG(l) step->even[l] = even;
 }
 
 /* Step i of a leg in run k. */
-static void begin_time(const sliding_group *s, group_steps *to, int out, int64_t i, int64_t one, int64_t steps, double (*legs)[GROUP]) {
+static void begin_time(const sliding_group *s, group_steps *to, int out, int64_t i, int64_t one, int64_t steps, double (*legs)[SPRUNG]) {
     double now = passed(s, out, i, steps), part = i > 0 ? now - passed(s, out, i - one, steps) : 0.0;
     double before = i > one ? now - part - passed(s, out, i - 2 * one, steps) : 0.0, turned = out && i == one ? 1.0 - s->share[steps - one] : 0.0;
     time_step(to, part, before > 0.0 ? part / before : 0.0, legs[out]);
-    for (int l = 0; turned > 0.0 && l < GROUP; l++) {
+    for (int l = 0; turned > 0.0 && l < SPRUNG; l++) {
         to->ratio[l] = to->h[l] / (turned * legs[0][l]);
         to->even[l] = 2.0 * to->ratio[l] / (1.0 + to->ratio[l]);
     }
@@ -265,7 +280,7 @@ static void begin_time(const sliding_group *s, group_steps *to, int out, int64_t
 CALLED void measure_step(sliding_group *restrict s, const double *restrict begin, double share, const double *restrict leg,
                          const double *restrict time, const double *restrict force) {
     const spring_group *fine = &s->runs[0];
-    EACH_OF(l) {
+    EACH_SPRUNG(l) {
         double size = fabs(fine->q[l]), at = (begin ? begin[l] : 0.0) + share * leg[l];
         s->when[l] = size > s->force[l] ? at : s->when[l];
         s->force[l] = size > s->force[l] ? size : s->force[l];
@@ -288,12 +303,12 @@ static void take_steps(sliding_group *restrict s, group_steps *restrict to, int 
 }
 
 /* A leg of contact; whether impacts are left without a phase. out: 1 on the way out, which begins with a step of no time: where the contact turns its radius may jump. */
-static int follow_leg(sliding_group *restrict s, int out, double (*legs)[GROUP], int32_t rows, int64_t steps, int64_t knots, int runs,
+static int follow_leg(sliding_group *restrict s, int out, double (*legs)[SPRUNG], int32_t rows, int64_t steps, int64_t knots, int runs,
                       int watched) {
-    double before[GROUP], v[FILM_SPRINGS_RUNS][CHUNK][GROUP], per = (double)knots / (double)steps;
+    double before[SPRUNG], v[FILM_SPRINGS_RUNS][CHUNK][SPRUNG], per = (double)knots / (double)steps;
     group_steps of;
     group_plan plan;
-    EACH_OF(l) before[l] = s->radii[l][out * (knots + 1)];
+    EACH_SPRUNG(l) before[l] = s->radii[l][out * (knots + 1)];
     for (int64_t first = !out; first <= steps;) {
         int64_t left = steps - first + 1;
         int count = first == 0 ? 1 : left < CHUNK ? (int)left : CHUNK;
@@ -310,7 +325,7 @@ static int follow_leg(sliding_group *restrict s, int out, double (*legs)[GROUP],
                 memcpy(v[k][j], g->v, sizeof g->v);
                 if (k > 0) put_apart(s, k, v[k - 1][first == 0 ? 0 : 2 * j + 1], v[k][j]);
                 if (k > 0) continue;
-                if (watched && i > 0) watched = watch_group(s, before, of.radius[j], of.h) < GROUP;
+                if (watched && i > 0) watched = watch_group(s, before, of.radius[j], of.h) < SPRUNG;
                 measure_step(s, out ? legs[0] : NULL, passed(s, out, i, steps), legs[out], of.h, of.force[j]);
                 memcpy(before, of.radius[j], sizeof before);
             }
@@ -330,12 +345,12 @@ static void slide_lanes(int64_t count, int32_t springs, int32_t estimated, const
     memset(&s, 0, sizeof s);
     memset(runs, 0, sizeof runs);
     for (int64_t i = 0; i <= steps && i <= FILM_MOST_STEPS; i++) s.share[i] = film_leg_share((double)i / (double)steps);
-    for (int64_t first = 0; first < count; first += GROUP) {
-        double legs[2][GROUP];
-        int status[GROUP];
+    for (int64_t first = 0; first < count; first += SPRUNG) {
+        double legs[2][SPRUNG];
+        int status[SPRUNG];
         memset(s.force, 0, offsetof(sliding_group, table) - offsetof(sliding_group, force));
         for (int k = 0; k < of; k++) memset(s.runs[k].u, 0, (size_t)(springs >> k) * sizeof s.runs[k].u[0]);
-        for (int l = 0; l < GROUP; l++) {
+        for (int l = 0; l < SPRUNG; l++) {
             int64_t i = first + (first + l < count ? l : 0);
             const double *n = numbers + 6 * i;
             s.table[l] = friction + (shared ? 0 : 2 * rows * i);
@@ -347,7 +362,7 @@ static void slide_lanes(int64_t count, int32_t springs, int32_t estimated, const
         }
         int watched = follow_leg(&s, 0, legs, rows, steps, knots, of, 1);
         follow_leg(&s, 1, legs, rows, steps, knots, of, watched);
-        for (int l = 0; l < GROUP && first + l < count; l++) {
+        for (int l = 0; l < SPRUNG && first + l < count; l++) {
             film_springs_impact_result *found = &s.found[l];
             if (status[l] == FILM_OK) {
                 found->velocity = s.runs[0].v[l], found->force = s.force[l];

@@ -136,6 +136,21 @@ def test_springs_beside_curves_of_their_own_have_the_results_of_single_impacts(d
         assert many.oblique.estimated[row] < 1.2e-3
 
 
+@pytest.mark.parametrize("law", ["thornton", "tsuji"])
+def test_neighbours_that_slip_longer_change_no_bit(law):
+    """Springs of contacts that slide side by side are skipped until the first of these sticks."""
+    own = {"thornton": {"yield_pressure": "1.6 GPa"}, "tsuji": {"restitution": 0.8}}[law]
+    ball = fm.Sphere("5 mm", "1 m/s", material="bearing steel", angle="30 deg")
+    contact = fm.Contact(law, yield_strength="0.6 GPa", friction=0.2, **own)
+    scene = fm.Scene(ball, fm.HalfSpace("mild steel"), contact, fm.Effects(gravity=False, rate_hardening=False))
+    columns = {"impactor.velocity": np.geomspace(0.2, 5.0, 90), "impactor.angle": np.linspace(0.1, 1.3, 90)}
+    many = simulate_many(scene, columns, Solver(1e-4)).oblique
+    assert set(many.regime) == {0, 1, 2} or law == "tsuji"
+    for row in range(0, 90, 8):
+        alone = simulate_many(scene, {name: values[row : row + 1] for name, values in columns.items()}, Solver(1e-4))
+        assert all(values[0] == many.summary[name][row] for name, values in alone.oblique.summary.items())
+
+
 def test_friction_that_is_not_known_is_refused_in_a_batch():
     sticky = fm.Contact("jkr", work_of_adhesion="0.1 J/m^2", friction=0.2)
     scene = slanted()

@@ -159,7 +159,9 @@ class Plastic:
 
     def tabled_widening(self, w: Any) -> Any:
         """The same within 1e-5 in an array, of one contact."""
-        if any(isinstance(value, np.ndarray) for value in (self.yield_strain, self.exponent, self.share, self.curvature)):
+        if any(
+            isinstance(value, np.ndarray) for value in (self.yield_strain, self.exponent, self.share, self.curvature)
+        ):
             return self.widening(w)
         per, widening, rise = _widenings(self)
         place = np.minimum(np.log(w) * per, rise.size - 1)

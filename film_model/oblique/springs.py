@@ -23,7 +23,7 @@ EASY, FEWEST = 8, 128
 SAFETY = 2.5
 """Of the error that half and a quarter of the springs and steps tell (tests/test_friction_estimate.py)."""
 
-LEVELS = ((32, 128), (48, 192), (64, 256), (80, 320), (96, 384), (128, 512), (SPRINGS, STEPS))
+LEVELS = ((32, 128), (48, 192), (64, 256), (96, 384), (128, 512), (SPRINGS, STEPS))
 """Springs and steps in batches, as many as the accuracy needs; the first for accuracies from `MODELLED` on. Half of the
 steps are before the turn."""
 

@@ -69,25 +69,25 @@ def by_springs(
     """Which impacts have a record, their results along the surface, regimes, and estimates (nan if nothing slides).
     bounded: with those of two models of a law that yields.
 
-    Springs are doubled until the estimate meets the accuracy, or `MODELLED` if the law yields; where the exact
+    More springs follow impacts until the estimate meets the accuracy, or `MODELLED` if the law yields; where the exact
     solution is not coarse there are as many as possible from the start, for results that are smooth over the impacts.
     """
     accuracy = solver.accuracy or DEFAULT_ACCURACY
     tolerance = accuracy if problem.curve.reversible else max(accuracy, MODELLED)
     levels = springs.LEVELS[2 * int(tolerance < MODELLED) :] if coarseness(solver) else springs.LEVELS[-1:]
-    segments, mesh, scene = normal.segments, mesh_of(solver, (1, 1)), problem.impacts.scene
+    segments, mesh, yields = normal.segments, mesh_of(solver, (1, 1)), not problem.curve.reversible
     damped, finer = problem.damping > 0.0, segments
-    if tolerance >= MODELLED and solver.accuracy is not None and solver.linearisation != "chord":
+    if yields and solver.accuracy is not None and coarseness(solver) and solver.linearisation != "chord":
         segments = np.tile(np.array(problem.curve.segments(RECORDED), np.int32), (len(segments), 1))
     elif not (problem.own.alike and bool(np.all(damped)) and families.by_series(problem.curve.native, mesh)):
         segments = recorded_segments(problem, solver, segments)
         # of damped motions twice those with which the ends meet the accuracy: the force between is up to 1e-3 less
         # exact (tests/test_friction_estimate.py)
         segments = np.minimum(np.where(damped[:, None], 2 * segments, segments), MOST_SEGMENTS)
-    impulse = column(normal_impulse(scene, problem, normal.rebound, normal.end), len(segments))
-    legs = np.stack([normal.turn, normal.end], axis=1)
+    impulse = normal_impulse(problem.impacts.scene, problem, normal.rebound, normal.end)
+    impulse, legs = column(impulse, len(segments)), np.stack([normal.turn, normal.end], axis=1)
     motions = _Motions(problem, segments, np.maximum(segments, finer), legs, impulse, solver)
-    return _followed(motions, normal, tolerance, levels, 2 if bounded and not problem.curve.reversible else 1)
+    return _followed(motions, normal, tolerance, levels, 2 if bounded and yields else 1)
 
 
 @dataclass(frozen=True)
@@ -154,11 +154,12 @@ class _Motions:
 
 @lru_cache(maxsize=8)
 def _weights(knots: int) -> Array:
-    """Of values at the knots of the way in, for their integral over its time, by cubics over the x of film_leg_share."""
+    """Of values at the knots of the way in, for their integral over time, by cubics over the x of film_leg_share."""
     x, even = np.arange(knots + 1) / knots, np.zeros(knots + 1)
     for i in range(knots):
-        at, own = (i - 1, [-1, 13, 13, -1]) if 0 < i < knots - 1 else (0, [9, 19, -5, 1]) if i == 0 else (i - 2, [1, -5, 19, 9])
-        even[at : at + 4] += np.array(own) / (24 * knots)
+        first = min(max(i - 1, 0), knots - 3)
+        own = {0: [9, 19, -5, 1], 1: [-1, 13, 13, -1], 2: [1, -5, 19, 9]}[i - first]
+        even[first : first + 4] += np.array(own) / (24 * knots)
     return even * 2.0 * 17.0**0.25 * x * (1.0 + 8.0 * x**4) * (1.0 + 16.0 * x**4) ** -1.25
 
 
@@ -188,18 +189,18 @@ def _followed(
     with np.errstate(divide="ignore", invalid="ignore"):
         alike = np.argsort(abs(velocity) / (friction * scene.approach_velocity))  # slide as long in lanes
     missed = np.full(count, np.nan)
-    for some, force, radii, power, missed[some] in motions.sampled(alike, knots):  # noqa
+    for some, force, radii, power, off in motions.sampled(alike, knots):
         numbers = np.stack([modulus[some], power, mass[some], velocity[some], *motions.legs[some].T], axis=1)
-        allowed, wanted = tolerance * abs(velocity[some]), np.zeros(some.size)
+        missed[some], allowed, wanted = off, tolerance * abs(velocity[some]), np.zeros(some.size)
         for level, steps in levels:
             own = index_or_all(np.flatnonzero(wanted <= level), some.size)
             if not some[own].size:
                 continue
             table, left = pairs[some[own]] if given.table is None else given.pairs, (numbers[own], force[own])
-            first = level == levels[0][0]
+            # the second model once, without the runs that tell its error, which is less than that of the turn
+            followed = radii[: models if level == levels[0][0] else 1]
             runs = [
-                core.many(level, steps // 2, table, *left, radius[own], k == 0)
-                for k, radius in enumerate(radii[: models if first else 1])
+                core.many(level, steps // 2, table, *left, radius[own], k == 0) for k, radius in enumerate(followed)
             ]
             known = np.all([run["status"] == native.OK for run in runs], axis=0)
             done, of = some[own][known], [run[known] for run in runs]
@@ -208,13 +209,12 @@ def _followed(
             error[: len(of), done] = of[0]["error"]
             peak[done], regime[done], when[done] = of[0]["force"], of[0]["regime"], of[0]["time"]
             over = springs.SAFETY * error[0, some[own]] / allowed[own]
-            wanted[own] = np.where(over > 1.0, np.minimum(level * over**0.5, levels[-1][0]), np.inf)
-            wanted[own] = np.where(level < levels[-1][0], wanted[own], np.inf)
+            more = (over > 1.0) & (level < levels[-1][0])
+            wanted[own] = np.where(more, np.minimum(level * over**0.5, levels[-1][0]), np.inf)
     error *= springs.SAFETY
     rows = np.flatnonzero((slack <= springs.SLIDING).any(axis=0))
-    impulse = motions.impulse
     sliding = given._replace(friction=friction[rows], mass=mass[rows], velocity=velocity[rows])
-    after[:, rows] = np.where(slack[:, rows] <= springs.SLIDING, slid(sliding, impulse[rows]), after[:, rows])
+    after[:, rows] = np.where(slack[:, rows] <= springs.SLIDING, slid(sliding, motions.impulse[rows]), after[:, rows])
     found = results(scene, given, normal.rebound, after[0], (peak, when))
     before, of_force = abs(velocity), error_of_force(np.maximum(normal.estimated, missed))
     if models > 1:

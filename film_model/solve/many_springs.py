@@ -139,15 +139,15 @@ class _Motions:
         force, depth, slope, power = problem.motions(mesh_of(self.solver, (counts[0], counts[1])), times)
         force = np.maximum(force, 0.0, out=force) * scales.force
         legs, weights = self.legs[places], _weights(knots)
-        impulse = (force[:, : knots + 1] @ weights) * legs[:, 0]
-        impulse += (force[:, knots + 1 :] @ weights[::-1]) * (legs[:, 1] - legs[:, 0])
-        missed = abs(impulse / self.impulse[places] - 1.0)
+        inwards = (force[:, : knots + 1] * weights).sum(axis=1) * legs[:, 0]  # not by BLAS: no bit by neighbours
+        outwards = (force[:, knots + 1 :] * weights[::-1]).sum(axis=1) * (legs[:, 1] - legs[:, 0])
+        missed = abs((inwards + outwards) / self.impulse[places] - 1.0)
         if slope is not None:
             modulus = column(problem.scene.effective_modulus, places.size)[:, None]
             return force, (slope * (scales.force / scales.length / (2.0 * modulus)),), power, missed
         depth *= scales.length
-        law, inwards = np.full(depth.shape, np.nan), slice(knots + 1)
-        law[:, inwards] = radius_beyond_yield(problem, depth[:, inwards].T, force[:, inwards].T).T
+        law, to = np.full(depth.shape, np.nan), slice(knots + 1)
+        law[:, to] = radius_beyond_yield(problem, depth[:, to].T, force[:, to].T).T
         first, second = core.radii(force, depth, law, 1.0)
         return force, (first, second / column(problem.scene.effective_modulus, places.size)[:, None]), power, missed
 
@@ -185,7 +185,7 @@ def _followed(
     peak, when = np.full((2, count), np.nan)
     regime = np.full(count, -1, np.int8)
     finer = KNOTS * (DEFAULT_ACCURACY / tolerance) ** 0.5
-    knots = max(min(int(finer), springs.STEPS // 8), KNOTS)
+    knots = max(levels[0][1] // 8 - 1, min(int(finer), springs.STEPS // 8), KNOTS)
     with np.errstate(divide="ignore", invalid="ignore"):
         alike = np.argsort(abs(velocity) / (friction * scene.approach_velocity))  # slide as long in lanes
     missed = np.full(count, np.nan)

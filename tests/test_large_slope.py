@@ -262,3 +262,19 @@ def test_a_scene_chooses_the_law():
             fm.Scene(fm.Sphere("5 mm", "1 m/s", mass="4 g"), fm.HalfSpace(), contact, effects)
     with pytest.raises(ValueError, match=r"slope_coefficient.*must be > 0"):
         fm.LargeSlope(1e6, 0.01, slope_coefficient=0.0)
+
+
+@pytest.mark.parametrize(
+    ("ball", "target", "speed", "fall"),
+    [("bearing steel", "bearing steel", 1.8, 0.019), ("nylon 6/6", "bearing steel", 1.2, 0.031)],
+)
+def test_the_force_falls_where_yield_begins_to_matter(ball, target, speed, fall):
+    """Law elastoplastic has Hertz's elastic stage."""
+    below, beyond = (
+        fm.simulate(fm.Scene(fm.Sphere("10 mm", f"{factor * speed} m/s", material=ball), fm.HalfSpace(target)))
+        for factor in (1.0, 1.2)
+    )
+    assert (below.problem.law.steep, beyond.problem.law.name) == (True, "elastoplastic")
+    named = fm.simulate(below.scene.replace({"contact.law": "elastoplastic"}))
+    lower = 1.0 - named.summary["maximum_force"] / below.summary["maximum_force"]
+    assert lower == pytest.approx(fall, abs=0.001)

@@ -192,7 +192,8 @@ class _Extended:
         largest F of a damped contact on the way.
         """
         self.peak = self.mp.mpf(0)
-        h = (1 if edge == self.mp.inf else abs(edge - state[0]) + self.mp.mpf("0.01")) / (5 * max(abs(state[1]), 1))
+        h = self.mp.mpf(1) if edge == self.mp.inf else abs(edge - state[0]) + self.mp.mpf("0.01")
+        h /= 5 * max(abs(state[1]), 1)
         passed = None
         for _ in range(100_000):
             new, error, columns = self.step(state, h)

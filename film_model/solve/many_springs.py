@@ -210,7 +210,10 @@ def _followed(
             peak[done], regime[done], when[done] = of[0]["force"], of[0]["regime"], of[0]["time"]
             over = springs.SAFETY * error[0, some[own]] / allowed[own]
             more = (over > 1.0) & (level < levels[-1][0])
-            wanted[own] = np.where(more, np.minimum(level * over**0.5, levels[-1][0]), np.inf)
+            # the last level, of most steps by far, only where the one before does not do
+            wanted[own] = np.where(
+                more, np.minimum(level * over**0.5, levels[-1 - (level < levels[-2:][0][0])][0]), np.inf
+            )
     error *= springs.SAFETY
     rows = np.flatnonzero((slack <= springs.SLIDING).any(axis=0))
     sliding = given._replace(friction=friction[rows], mass=mass[rows], velocity=velocity[rows])

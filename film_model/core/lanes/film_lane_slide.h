@@ -23,7 +23,7 @@ typedef struct {
     double rise[SPRUNG], top[SPRUNG], cut[SPRUNG], slides[SPRUNG], share[SPRUNG];
     double met[SPRUNG], count[SPRUNG];
     double u[FILM_MOST_SPRINGS][SPRUNG], reach[FILM_MOST_SPRINGS][SPRUNG], sums[FILM_MOST_SPRINGS + 1][SPRUNG];
-    int32_t spheres, stale; /* spheres: 1 if that is the power of all */
+    int32_t spheres, stale; /* spheres: 1 if the power of all is 2 or 0 */
 } spring_group;
 
 /* Springs that do not touch. Those of the impact before in the lane are kept where they are alike. */
@@ -32,7 +32,7 @@ static void put_springs(spring_group *restrict g, int l, const film_springs *s) 
     g->per_width[l] = 1.0 / s->width, g->stiffness[l] = s->stiffness, g->per_stiffness[l] = 1.0 / s->stiffness;
     g->per_mass[l] = 1.0 / s->mass, g->power[l] = s->power, g->friction[l] = s->friction, g->v[l] = s->v, g->count[l] = s->count;
     g->q[l] = g->rise[l] = g->top[l] = g->slides[l] = g->share[l] = g->met[l] = 0.0, g->stale = 0;
-    g->spheres = (l == 0 || g->spheres) && s->power == 2.0;
+    g->spheres = (l == 0 || g->spheres) && (s->power == 2.0 || s->power == 0.0);
     for (int32_t j = alike; j < FILM_MOST_SPRINGS && j < s->count; j++)
         g->reach[j][l] = s->reach[j], g->sums[j + 1][l] = s->sums[j + 1];
     g->sums[0][l] = 0.0;
@@ -76,11 +76,12 @@ CALLED void plan_step(const spring_group *restrict g, const double *restrict rad
     EACH_SPRUNG(l) {
         double widths = radius[l] * g->per_width[l], nearest = (widths + shift) - shift, n = nearest < g->count[l] ? nearest : g->count[l];
         touch[l] = n;
-        top[l] = widths * widths;
-        sums[l] = n * (n * n * (1.0 / 3.0) - 1.0 / 12.0);
+        double together = widths > 0.0 ? 1.0 : 0.0;
+        top[l] = g->power[l] == 0.0 ? together : widths * widths;
+        sums[l] = g->power[l] == 0.0 ? 0.0 : n * (n * n * (1.0 / 3.0) - 1.0 / 12.0);
     }
     for (int l = 0; !g->spheres && l < SPRUNG; l++) {
-        if (g->power[l] == 2.0) continue;
+        if (g->power[l] == 2.0 || g->power[l] == 0.0) continue;
         top[l] = film_springs_reached(g->power[l], radius[l] * g->per_width[l]);
         sums[l] = g->sums[(int32_t)touch[l]][l];
     }

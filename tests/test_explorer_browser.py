@@ -219,7 +219,9 @@ def check(history, factor, found, fragment, rough=None):
     if worst <= ON_MODES:
         same_intervals(history, found["intervals"], fragment)
         if history.oblique is not None or found["oblique"] is not None:
-            along = ALONG + 1e3 * worst if same else max(allowed, ALONG + 1e3 * worst)
+            along = ALONG + 1e3 * worst
+            if not same:  # springs of friction beside two motions, each with an error of its own
+                along = max(allowed, along) + (history.oblique.estimated if history.oblique else 0.0)
             assert oblique_off(history, found) <= along, fragment
     return unsure
 

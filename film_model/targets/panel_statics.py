@@ -8,13 +8,11 @@ from functools import lru_cache
 
 import numpy as np
 
-from film_model.base.errors import SimulationError
 from film_model.base.threads import one_thread
-from film_model.core import panels
 from film_model.targets.line_functions import SIMPLE, polynomials
 from film_model.targets.modes import Modes
 from film_model.targets.plate_statics import levy_compliance
-from film_model.targets.ritz import TOO_SOFT, Panel, energy_of, loose_motions, shapes_at, split, turned
+from film_model.targets.ritz import Panel, energy_of, loose_motions, shape_at, split, turned
 
 STATIC_DEGREE, LOWER_DEGREES = 32, (20, 26)
 """Degrees of the polynomials that correct the static compliance, and of those that give a bound on the rest."""
@@ -30,9 +28,8 @@ LONG, LONGEST, FEWEST_ACROSS = 4.0, 144.0, 12
 """Ratio of the sides from which on the degree along the longer one is higher, up to which it grows as √ratio, and least
 degree across. Clamped strips of 100 widths then have errors of 1e-7, with degree 32 both ways 3e-3."""
 
-FAR, SEEN = 10.0, 6.0
-"""Distance of an edge over that in which a deflection decays on the bed, from which on it is not felt, e^(−2 FAR); and
-from which on it does not matter under a force that grows: within 2e-6 of the deflection, polynomials within 1e-4."""
+FAR = 10.0
+"""Distance of an edge over that in which a deflection decays on the bed, from which on it is not felt: e^(−2 FAR)."""
 
 SLOWER, SPREAD = 16.0, 3e-4
 """Highest frequency over the rate at which a force grows, and relative error of what it shows of the higher vibrations:
@@ -45,15 +42,14 @@ def ritz_compliance(panel: Panel, position: tuple[float, float], degree: int = S
     Of a plate that nothing holds: the deflection without its motion as a rigid body.
     """
     lines = [polynomials(*line) for line in zip(panel.ends, degrees_along(panel, degree), strict=True)]
-    struck, total = shapes_at(panel, lines, position), 0.0
-    for block in split(panel, lines, struck):
-        seen, energy = struck[block], energy_of(panel, lines, *block)
+    total = 0.0
+    for block in split(panel, lines, position):
+        seen, energy = shape_at(panel, lines, position, *block), energy_of(panel, lines, *block)
         loose = loose_motions(panel, lines, block)
         energy += float(np.trace(energy)) / energy.shape[0] * loose @ loose.T
         seen = seen - loose @ (loose.T @ seen)
-        total += panels.compliance(energy, seen)
-    if math.isnan(total):
-        raise SimulationError(TOO_SOFT)
+        scale = 1 / np.sqrt(np.diag(energy))
+        total += float(seen * scale @ np.linalg.solve(energy * scale[:, None] * scale, seen * scale))
     return total
 
 
@@ -77,18 +73,18 @@ def panel_compliance(panel: Panel, position: tuple[float, float]) -> float:
     return compliance_and_error(panel, position)[0]
 
 
-def compliance_and_error(panel: Panel, position: tuple[float, float], far: float = FAR) -> tuple[float, float]:
-    """The static deflection over force, m/N, as of `panel_compliance`, and a bound on its error. far: as `FAR`."""
+def compliance_and_error(panel: Panel, position: tuple[float, float]) -> tuple[float, float]:
+    """The static deflection over force, m/N, as of `panel_compliance`, and a bound on its error."""
     (x, y), a = position, panel.size[0]
-    value, error = unit_compliance(panel.unit, (x / a, y / a), far)
+    value, error = unit_compliance(panel.unit, (x / a, y / a))
     return value * a**2 / panel.stiffness[0], error * a**2 / panel.stiffness[0]
 
 
 @lru_cache(maxsize=64)
 @one_thread
-def unit_compliance(panel: Panel, position: tuple[float, float], far: float = FAR) -> tuple[float, float]:
+def unit_compliance(panel: Panel, position: tuple[float, float]) -> tuple[float, float]:
     """The same of any plate, by itself."""
-    panel, position = _felt(panel, position, far)
+    panel, position = _felt(panel, position)
     (x, y), (a, b), (d11, _, d22, _) = position, panel.size, panel.stiffness
     simple = [panel.ends[k] == SIMPLE and not any(panel.springs[2 * k : 2 * k + 2]) for k in (0, 1)]
     nearer = min(y, b - y) / d22**0.25 < min(x, a - x) / d11**0.25
@@ -106,7 +102,7 @@ def unit_compliance(panel: Panel, position: tuple[float, float], far: float = FA
     return known + last, REMAINDER * max(abs(last - each) for each in lower) + LEVY * known
 
 
-def _felt(panel: Panel, position: tuple[float, float], far: float) -> tuple[Panel, tuple[float, float]]:
+def _felt(panel: Panel, position: tuple[float, float]) -> tuple[Panel, tuple[float, float]]:
     """The part of a plate on a bed k that the force feels, with simple supports where it is cut, and the place in it.
 
     Bending decays within (4 D/k)^¼, the twist of a strip of width b within √(48 D66/k)/b.
@@ -117,9 +113,7 @@ def _felt(panel: Panel, position: tuple[float, float], far: float) -> tuple[Pane
     size, place = list[float](), list[float]()
     for k, (x, side, other) in enumerate(zip(position, panel.size, panel.size[::-1], strict=True)):
         twist = math.sqrt(48.0 * panel.stiffness[3] / bed) / other
-        reach = far * max((4.0 * panel.stiffness[2 * k] / bed) ** 0.25, twist)
-        if min(x, side - x) <= reach and 2.0 * (min(x, reach) + min(side - x, reach)) > side:
-            reach = side  # one edge is felt: unlike the other, it would take more functions that interact
+        reach = FAR * max((4.0 * panel.stiffness[2 * k] / bed) ** 0.25, twist)
         for edge, distance in ((2 * k, x), (2 * k + 1, side - x)):
             if distance > reach:
                 edges[edge], springs[edge] = SIMPLE[0], 0.0
@@ -146,7 +140,7 @@ def omitted_compliance(
     if error > SPREAD * found:
         rate = highest / SLOWER
         bed = replace(panel, foundation=panel.foundation + panel.mass_per_area * rate**2)
-        whole, own = compliance_and_error(bed, position, SEEN)
+        whole, own = compliance_and_error(bed, position)
         more = 1.0 / (SLOWER * math.atan(1.0 / SLOWER))
         grown = more * (whole - float(np.sum(modes.share / (modes.frequency**2 + rate**2))))
         if own + SPREAD * abs(grown) < error:

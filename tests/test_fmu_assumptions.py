@@ -200,6 +200,8 @@ def test_validity_is_right_in_random_runs_with_moving_supports(made, case):
             rebounds = (support * speed - found["rebound_velocity"]) / touch, own["coefficient_of_restitution"]
             off += [abs(rebounds[0] - rebounds[1]), abs(rebounds[0] ** 2 - rebounds[1] ** 2)]
             kinds.add(valid)
-            right = max(off) <= 0.015 if valid else max(off) > 0.005 or history.warnings
+            # below yield the library takes law large-slope, the FMU elastoplastic, whose elastic stage is Hertz's
+            allowed = 0.025 if history.problem.law.steep else 0.015
+            right = max(off) <= allowed if valid else max(off) > 0.005 or history.warnings
             assert right, (speed, support, valid, off)
     assert kinds == {True, False}

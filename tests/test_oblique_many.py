@@ -146,7 +146,9 @@ def test_neighbours_that_slip_longer_change_no_bit(power):
     half = np.sin(0.5 * np.pi * springs.knots(knots, legs) / legs[:, :1])
     half = np.maximum(half, 0.0)
     force, radius = half**1.5, half ** (0.5 if power > 0.0 else 0.0)
-    numbers = np.stack([*np.full((3, count), [[1.0], [power], [0.3]]), np.geomspace(0.01, 20.0, count), *legs.T], axis=1)
+    numbers = np.stack(
+        [*np.full((3, count), [[1.0], [power], [0.3]]), np.geomspace(0.01, 20.0, count), *legs.T], axis=1
+    )
     friction = np.stack([np.zeros(count), np.full(count, 0.3)], axis=1)[:, None]
     many = springs.many(32, 64, friction, numbers, force, radius)
     assert len({*many["regime"]}) > 1 and many["regime"][-1] == 2

@@ -208,13 +208,13 @@ def elastic_radius(curve: native.Curve, scales: Any, modulus: Number, depth: Arr
     return slope * (scales.force / scales.length) / (2.0 * modulus)
 
 
-def radius_beyond_yield(problem: Problem, depth: Array, force: Array) -> Array:
-    """The law's own contact radius, m; arrays (times,) of one impact or (times, impacts)."""
+def radius_beyond_yield(problem: Problem, depth: Array, force: Array, tabled: bool = False) -> Array:
+    """The law's own contact radius, m; arrays (times,) of one impact or (times, impacts). tabled: within 1e-5."""
     depth = np.maximum(depth, 0.0)  # below 0 between two contacts
     elastic = is_hertzian(problem.impacts, force, depth)
     # a force that has left Hertz's meets it again by chance alone
     left = np.logical_or.accumulate(~elastic & (depth > 0.0), axis=0)
-    return np.asarray(radius_of(problem.impacts, elastic & ~left, depth, tabled=True))
+    return np.asarray(radius_of(problem.impacts, elastic & ~left, depth, tabled))
 
 
 def results(

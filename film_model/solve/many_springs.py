@@ -147,7 +147,7 @@ class _Motions:
             return force, (slope * (scales.force / scales.length / (2.0 * modulus)),), power, missed
         depth *= scales.length
         law, to = np.full(depth.shape, np.nan), slice(knots + 1)
-        law[:, to] = radius_beyond_yield(problem, depth[:, to].T, force[:, to].T).T
+        law[:, to] = radius_beyond_yield(problem, depth[:, to].T, force[:, to].T, tabled=True).T
         first, second = core.radii(force, depth, law, 1.0)
         return force, (first, second / column(problem.scene.effective_modulus, places.size)[:, None]), power, missed
 

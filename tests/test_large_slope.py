@@ -254,6 +254,9 @@ def test_a_scene_chooses_the_law():
     auto = fm.simulate(struck(0.27, "auto"))
     assert auto.problem.law.name == "large-slope"
     assert not any("small slope" in warning for warning in auto.warnings)
+    unloaded = fm.simulate(struck(0.27, "auto").replace({"contact.unloading": "brake", "effects.plasticity": False}))
+    assert unloaded.problem.law.name == "large-slope"
+    assert next(effect.simulated for effect in unloaded.effects if effect.name == "small_slope")
     named = fm.simulate(struck(0.27, "auto").replace({"contact.law": "large-slope"}))
     assert named.summary["maximum_force"] == auto.summary["maximum_force"]
     for law, large in (("large-slope", "auto"), ("auto", True)):

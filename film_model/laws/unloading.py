@@ -35,6 +35,11 @@ class _Reopened(AbstractLaw):
         """The loading law's."""
         return self.law.damped
 
+    @property
+    def steep(self) -> bool:  # pyright: ignore[reportIncompatibleVariableOverride]
+        """The loading law's."""
+        return self.law.steep
+
     def damping_factor(self, mass: Any, velocity: Any, length: float) -> Any:
         return self.law.damping_factor(mass, velocity, length)
 

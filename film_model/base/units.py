@@ -154,6 +154,7 @@ def si_unit(dimension: str) -> str:
     return DIMENSIONS[dimension].unit
 
 
+@cache
 def scene_unit(dimension: str) -> str:
     """The SI unit as scene files write it, e.g. "kg/m^3" or "kg^-1"; empty if dimensionless."""
     above: list[str] = []

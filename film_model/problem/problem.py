@@ -149,16 +149,15 @@ class Impacts:
 
     def _damping(self, scales: Scales) -> Any:
         """The factor of the law's damping, without units."""
+        if not self.law.law.damped:
+            return self.column(0.0)
         given = self.numbers.mass, self.numbers.approach, scales.length
         if self.index is None:
             found = self.one_law.damping_factor(*given)
-        elif self.law.law.damped:
-            several = self.law.on_arrays(
+        else:
+            (found,) = self.law.on_arrays(
                 lambda law, at: (law.damping_factor(*(x[at] for x in given)),), self.index.size
             )
-            found = several[0]
-        else:
-            return self.column(0.0)
         return found * scales.velocity / scales.force
 
     def problem(

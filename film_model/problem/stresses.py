@@ -72,8 +72,9 @@ def radius_of(impacts: Impacts, elastic: Any, indentation: Number, tabled: bool 
         return indentation * math.nan
     if scene.nose is not None or scene.oval is not None or all_of(elastic):
         return elastic_radius(scene, indentation)
-    plastic, widened, own = plastic_contact(impacts), math.nan, impacts.law.value("widening")
-    if plastic is not None and not all_of(own > 0.0):
+    widened, own = math.nan, impacts.law.value("widening")
+    plastic = None if all_of(own > 0.0) else plastic_contact(impacts)
+    if plastic is not None:
         w = greater(indentation / (plastic.first_radius**2.0 * radius), 1.0)
         widened = plastic.tabled_widening(w) if tabled else plastic.widening(w)
     widened = either(own > 0.0, own, widened)

@@ -19,6 +19,7 @@ import math
 from abc import ABC
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any, ClassVar, NamedTuple
 
 from film_model.base.arrays import endless
@@ -197,7 +198,7 @@ class AbstractTarget(InUnits, ABC):
         """The longest time scale of a target with edges, s: first period, or travel time to the far end and back."""
         return None
 
-    @property
+    @cached_property
     def gives_way(self) -> bool:
         """Whether a target that is not a free body moves under the force."""
         return not self.free and (not endless(self.impedance) or self.compliance is not None)

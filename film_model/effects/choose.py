@@ -42,7 +42,6 @@ _SETTLED = {
     "small_slope": large_slope.settled,
     "material_damping": material_damping.settled,
     "stretching": stretching.settled,
-    "wave_losses": wave_losses.settled,
 }
 """Estimated effects that may be simulated, and what puts the decision into the estimate."""
 
@@ -79,7 +78,7 @@ class Choice:
 
         Nothing is decided here: the additional marches only complete the numbers.
         """
-        return _in_order([self._gravity, self._motion, *self._plasticity, *self._judged])
+        return _in_order([self._gravity, self._motion, *self._plasticity, *self._judged, self._waves])
 
     @cached_property
     def _gravity(self) -> Effect:
@@ -107,6 +106,7 @@ class Choice:
         fixed = wanted.plasticity is False or self.scene.contact.law != "auto" or self._damps
         fixed = fixed or not self.scene.is_round
         found += self._plasticity if fixed and self.problem.curve.reversible else ()
+        found += [] if wave_losses.decided(self.problem) else [self._waves]
         return _in_order([*found, *self._judged])
 
     @cached_property
@@ -120,11 +120,18 @@ class Choice:
         held = self.scene.target.gives_way and self.scene.effects.target_motion is not False and not moves
         why = "the target moves too little to matter"
         found += [effect._replace(state=NOT_NEEDED, reason=why, cost=FREE) if held else effect for effect in self.edges]
-        known = {effect.name for effect in self.edges}
-        judged = judge(self._ending, self.problem.vibrates)
-        for name, settled in _SETTLED.items():
-            judged[name] = settled(judged[name], self.problem)
+        known = {"wave_losses", *[effect.name for effect in self.edges]}
+        settled = {name: rule(self._estimated[name], self.problem) for name, rule in _SETTLED.items()}
+        judged = {**self._estimated, **settled}
         return (*found, *[effect for name, effect in judged.items() if name not in known])
+
+    @cached_property
+    def _waves(self) -> Effect:
+        return wave_losses.settled(self._estimated["wave_losses"], self.problem)
+
+    @cached_property
+    def _estimated(self) -> dict[str, Effect]:
+        return judge(self._ending, self.problem.vibrates)
 
     @property
     def _ending(self) -> Problem:

@@ -113,7 +113,7 @@ def with_waves(problem: Problem) -> Problem | None:
 
 def pressed(problem: Problem) -> Any:
     """Whether the weight makes impacts last longer than their velocities say."""
-    return problem.load * problem.scales.force > heaviest(problem.impacts.scene)
+    return problem.loaded and problem.load * problem.scales.force > heaviest(problem.impacts.scene)
 
 
 def heaviest(scene: Scene) -> Any:
@@ -129,6 +129,16 @@ def remarks(problem: Problem) -> tuple[str, ...]:
     if share <= 0.15:  # beyond, terms of second order matter
         return ()
     return (f"waves in the half-space carry away {percent(share)} of the impact energy, simulated to first order",)
+
+
+def decided(problem: Problem) -> bool:
+    """Whether the waves from one impact into a half-space are simulated, or were found not to matter. problem: what is
+    simulated."""
+    scene = problem.scene
+    if scene.target.gives_way or scene.nose is not None or not scene.target.radiation_impedance(1.0) < math.inf:
+        return False
+    asked = scene.effects.wave_losses is not False and not hindered(problem)
+    return problem.gamma > 0.0 or (asked and not pressed(problem))
 
 
 def settled(effect: Effect, problem: Problem) -> Effect:

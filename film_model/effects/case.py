@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from typing import Any, NamedTuple
 
 from film_model.base.arrays import either, greater, ratio
@@ -10,7 +11,7 @@ from film_model.effects.effect import NOT_JUDGED, NOT_MODELLED, NOT_NEEDED, Effe
 from film_model.problem.problem import Problem
 from film_model.scene import Scene
 from film_model.scene.noses import elastic_radius
-from film_model.targets import Impact
+from film_model.targets import AbstractTarget, Estimate, Impact
 
 ABSENT = "not supported"
 """Cost of an effect that this package cannot simulate."""
@@ -119,3 +120,25 @@ def case_of(problem: Problem, vibrates: bool) -> Case:
         held=(still.contact_duration * units.time, softness),
     )
     return Case(problem, scene, seen)
+
+
+def by_target(method: str) -> Callable[[Case, Rule], Effect]:
+    """The rule of an effect that this method of the target estimates."""
+
+    def judge(case: Case, rule: Rule) -> Effect:
+        found: Estimate = getattr(case.scene.target, method)(case.seen)
+        rule = rule if found.indicator is None else rule._replace(indicator=found.indicator)
+        if not found.applies:
+            return rule.absent(found.reason)
+        if found.fails:
+            return rule.failing(found.reason, found.value, found.threshold)
+        if found.change is None or found.value is None:
+            return rule.unjudged(found.reason, found.value, found.threshold)
+        cost, reason = ABSENT, found.reason
+        if found.remedy is not None:
+            cost = f"{ABSENT}: {found.remedy}"
+            reason += f": {found.remedy}" if found.change > case.seen.tolerance else ""
+        return rule.sized(case.seen.tolerance, found.value, found.threshold, found.change, reason, cost)
+
+    judge.__doc__ = getattr(AbstractTarget, method).__doc__
+    return judge

@@ -9,10 +9,9 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from film_model.effects import geometry_rules as geometry
-from film_model.effects import large_slope
+from film_model.effects import large_slope, oblique_limits
 from film_model.effects import material_rules as materials
-from film_model.effects.case import Case, Rule, case_of
+from film_model.effects.case import Case, Rule, by_target, case_of
 from film_model.effects.effect import Effect
 from film_model.effects.surroundings import air_drag, roughness, squeeze_film
 from film_model.problem.problem import Problem
@@ -49,8 +48,8 @@ def _apply(name: str, problem: Problem, case: Case | None) -> Effect:
         return rule.unjudged("known for balls only")
     if case is not None:
         return judge_case(case, rule)
-    if judge_case is geometry.obliqueness:
-        return geometry.oblique(problem.scene, rule, None, problem.scene.effect_tolerance)
+    if judge_case is oblique_limits.obliqueness:
+        return oblique_limits.oblique(problem.scene, rule, None, problem.scene.effect_tolerance)
     ends = "the target is too soft for an estimate of the indentation" if problem.trial.ends else "contact did not end"
     return rule.unjudged("the impactor has no velocity" if problem.approach == 0.0 else ends)
 
@@ -59,24 +58,24 @@ _TABLE: dict[str, tuple[str, str, Callable[[Case, Rule], Effect]]] = {
     "boundary_reflections": (
         "t_c/t_return",
         "fitted to sums over the modes of simply supported plates struck at the centre; one-dimensional waves in a rod",
-        geometry.by_target("reflections"),
+        by_target("reflections"),
     ),
     "thickness": (
         "k h",
         "Zener 1941; three-dimensional waves of a layer, to first order",
-        geometry.by_target("thickness_effect"),
+        by_target("thickness_effect"),
     ),
-    "stretching": ("deflection/h", "Berger 1955, J. Appl. Mech. 22:465, in one term", geometry.by_target("stretching")),
+    "stretching": ("deflection/h", "Berger 1955, J. Appl. Mech. 22:465, in one term", by_target("stretching")),
     "bending_strength": (
         "bending stress/strength",
         "infinite plate under a sudden force; Westergaard in Timoshenko & Woinowsky-Krieger 1959",
-        geometry.by_target("bending_strength"),
+        by_target("bending_strength"),
     ),
-    "cross_bending": ("-", "response to a half-sine; classical lamination theory", geometry.by_target("cross_bending")),
+    "cross_bending": ("-", "response to a half-sine; classical lamination theory", by_target("cross_bending")),
     "omitted_modes": (
         "Ω T/π",
         "response to a half-sine of the contact time T on a fixed target",
-        geometry.by_target("omitted_modes"),
+        by_target("omitted_modes"),
     ),
     "small_slope": (
         "a/R",
@@ -86,11 +85,11 @@ _TABLE: dict[str, tuple[str, str, Callable[[Case, Rule], Effect]]] = {
     "contact_width": (
         "a/h",
         "half-space laws fail for contacts wider than the plate thickness",
-        geometry.by_target("contact_width"),
+        by_target("contact_width"),
     ),
     "adhesion": ("V/V_s", "Thornton & Ning 1998; work of separation by Johnson, Kendall & Roberts", materials.adhesion),
     "material_damping": ("tan δ", "Lee & Radok 1960; Ting 1966, with a modulus t^−β", materials.material_damping),
-    "wave_losses": ("E_waves/E", "Lamb's problem, Miller & Pursey 1955", geometry.by_target("wave_losses")),
+    "wave_losses": ("E_waves/E", "Lamb's problem, Miller & Pursey 1955", by_target("wave_losses")),
     "heating": ("plastic work/volume, J/m³", "balance of energy", materials.heating),
     "fracture": (
         "force/least force of a crack",
@@ -112,7 +111,7 @@ _TABLE: dict[str, tuple[str, str, Callable[[Case, Rule], Effect]]] = {
     "obliqueness": (
         "angle from the normal, °",
         "impulse and angular momentum; Maw, Barber & Fawcett 1976",
-        geometry.obliqueness,
+        oblique_limits.obliqueness,
     ),
 }
 """Name → indicator, source and rule."""

@@ -1,4 +1,5 @@
-"""Oblique impact in closed form: how the contact will slide, and how far the rebound is open without friction."""
+"""Oblique impact as an effect, in closed form: how the contact will slide, and how far the rebound is open without
+friction."""
 
 from __future__ import annotations
 
@@ -7,6 +8,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from film_model.base.units import format_si
+from film_model.effects.case import Case, Rule
+from film_model.effects.effect import FREE, SIMULATED, Effect
 from film_model.scene import Scene
 from film_model.scene.friction_table import FrictionTable
 from film_model.scene.rolling import sliding_before, stiffness_ratio, tangential_mobility
@@ -76,3 +80,46 @@ def expected(scene: Scene, restitution: float) -> str | None:
     last = 2.0 * chi * (1.0 + restitution) - restitution
     how = "sticks first" if number < 1.0 else "slides first" if number < last else "slides throughout"
     return f"the contact {how}: impact number {number:.3g}, limits 1 and {last:.3g}"
+
+
+def obliqueness(case: Case, rule: Rule) -> Effect:
+    """An impact at an angle or with spin: simulated with friction in [contact], otherwise its normal component.
+
+    Without friction the change is the range of the ball's tangential velocity for friction coefficients from 0 to 1,
+    over its speed before: the impulse is at most µ m (1 + e) V cos α and m_t v (1 + β), with the largest share β of the
+    velocity that an elastic contact gives back.
+    """
+    # how it slides is not said under damping, which lets more friction through
+    scene, damps = case.scene, case.problem.damps and case.scene.contact.friction is not None
+    return oblique(scene, rule, None if damps else case.seen.restitution, case.seen.tolerance)
+
+
+def oblique(scene: Scene, rule: Rule, restitution: float | None, tolerance: float) -> Effect:
+    """The same, also for an impact whose restitution is unknown."""
+    angle, friction = scene.impactor.angle or 0.0, scene.contact.friction
+    if angle == 0.0 and not scene.impactor.spin and not getattr(scene.target, "spin", None):
+        return rule.absent("the impact is along the normal, without spin")
+    if friction is not None:
+        why = f"the tangential motion and the spin are simulated with a friction coefficient of {friction:g}"
+        sliding = None if restitution is None else expected(scene, restitution)
+        why += f"; {sliding}" if sliding else ""
+        if scene.target.kind not in ("half-space", "body"):
+            why += f"; the {scene.target.kind} is immovable along its surface"
+        return rule.failing(why, math.degrees(angle), 0.0)._replace(state=SIMULATED, cost=FREE)
+    normal = format_si(scene.impactor.speed, "velocity")
+    why = f"only the normal component, {normal}, is simulated: give friction in [contact]"
+    if restitution is None:
+        return rule.failing(why, math.degrees(angle), 0.0)
+    found = unknown(scene, restitution)
+    kinds = {"velocity": found.speed, "angle": found.angle, "angular_frequency": found.spin}
+    speed, turn, spun = (_range(ends, kind) for kind, ends in kinds.items())
+    why += (
+        f"; with coefficients from 0 to {LARGEST:g} the ball leaves with {speed} at {turn} to the normal, spin {spun}"
+    )
+    return rule.sized(tolerance, math.degrees(angle), 0.0, found.change, why)
+
+
+def _range(ends: tuple[float, float], kind: str) -> str:
+    if kind == "angle":
+        return " to ".join(f"{math.degrees(end):.3g}°" for end in ends)
+    return " to ".join(format_si(end, kind, 3) for end in ends)

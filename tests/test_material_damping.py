@@ -13,7 +13,7 @@ from film_model.base.materials import catalogue
 from film_model.core import native
 from film_model.effects.choose import choose
 from film_model.effects.effect import NOT_MODELLED, SIMULATED
-from film_model.effects.material_damping import MARGIN, change_of
+from film_model.effects.material_damping import MARGIN, MOST_GAMMA, change_of
 from film_model.effects.trial import change
 from film_model.laws.damping import LOSS_SLOPE, loss_restitution
 from film_model.solve.batch import simulate_many
@@ -99,13 +99,17 @@ def test_no_material_with_losses_rebounds_without_loss(name):
 
 
 @pytest.mark.parametrize("loss_factor", [1e-5, 3e-4, 0.003, 0.008, 0.01, 0.03, 0.3, 1.0])
-def test_marches_on_a_fixed_target_show_the_change_in_closed_form(loss_factor):
+def test_marches_show_the_change_in_closed_form_and_less_on_a_moving_target(loss_factor):
     """By which most impacts are decided without a march of the damped law."""
     impact = choose(scene(material_damping=False))
     elastic = impact.problem.again(law="hertz", impedance=math.inf)
     ball = impact.scene.effective_modulus, impact.scene.effective_radius
     found = change(elastic.again(law=fm.Tsuji(*ball, loss_restitution(loss_factor))), elastic)
     assert elastic.trial.ends and change_of(loss_factor) / found == pytest.approx(1.0, abs=0.4 * (MARGIN - 1.0))
+    for motion in np.geomspace(1e-3, MOST_GAMMA, 12):
+        moving = elastic.again(impedance=elastic.scales.force / elastic.scales.velocity / motion)
+        damped = moving.again(law=fm.Tsuji(*ball, loss_restitution(loss_factor)))
+        assert change(damped, moving) < found
 
 
 def test_restitution_never_rises_through_first_yield():

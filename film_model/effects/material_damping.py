@@ -21,6 +21,9 @@ from film_model.scene import Scene
 MARGIN = 1.05
 """Of :func:`change_of`, to the change that marches show (tests/test_material_damping.py)."""
 
+MOST_GAMMA = 2.0
+"""γ of a moving target up to which damping changes the summary by less than on a fixed one (the same test)."""
+
 
 def hindered(problem: Problem) -> str:
     """Why the damping of a problem under law "auto" cannot be simulated; empty if it can."""
@@ -62,12 +65,13 @@ def change_of(loss_factor: Any) -> Any:
 
 
 def _surely(problem: Problem, loss_factor: Any) -> bool | None:
-    """Whether the losses of the materials matter in all elastic impacts, or in none, on a target that is fixed; None if
-    marches have to tell."""
-    if not (_is_fixed(problem) and all_of(problem.approach > 0.0)):
+    """Whether the losses of the materials matter in all elastic impacts, or in none; None if marches have to tell."""
+    if any_of(problem.load > 0.0) or problem.vibrates or not all_of(problem.approach > 0.0):
         return None
     size, tolerance = change_of(loss_factor), problem.scene.effect_tolerance
-    return False if all_of(size < tolerance / MARGIN) else True if all_of(size > MARGIN * tolerance) else None
+    if all_of(size < tolerance / MARGIN):
+        return False if all_of(problem.gamma <= MOST_GAMMA) else None
+    return True if _is_fixed(problem) and all_of(size > MARGIN * tolerance) else None
 
 
 def _is_fixed(problem: Problem) -> bool:

@@ -95,7 +95,7 @@ def hardened(static: Problem) -> Problem | None:
     if law is None or static.impacts.law.strength is None or not static.approach > 0.0:
         return None
     try:
-        factor = settled(lambda factor: strain_rate(strengthened(static, factor)), law)
+        factor = settled(lambda s: strain_rate(static if s == 1.0 else strengthened(static, s)), law)
         return None if math.isnan(factor) else strengthened(static, factor)
     except ValueError:  # the higher strength is beyond the law's range
         return None

@@ -122,6 +122,7 @@ def test_replace() -> None:
     faster = scene.replace({"impactor.velocity": "1 m/s", "solver.accuracy": None, "solver.segments": 3})
     assert (faster.impactor.velocity, faster.solver.segments, faster.impactor.radius) == (1.0, 3, 0.01)
     assert scene.impactor.velocity == 0.25
+    assert faster.target is scene.target and faster.impactor.material is scene.impactor.material  # are not read again
     assert scene.replace({"solver.segments": 3}).solver == faster.solver != scene.solver
     assert faster.replace({"solver.accuracy": 1e-4}).solver == scene.solver
     with pytest.raises(SceneError, match="not both"):

@@ -310,12 +310,15 @@ def key_text(key: str) -> str:
     return key if key.replace("-", "_").isidentifier() and len(key) <= 80 else shown(key)
 
 
-def table_of(source: object) -> dict[str, Any]:
-    """The table from which :func:`build` makes the same object again, to the last bit."""
+def table_of(source: object, whole: bool = False) -> dict[str, Any]:
+    """The table from which :func:`build` makes the same object again, to the last bit. whole: parts such as a material
+    stay objects."""
     table: dict[str, Any] = {}
     for name, field in cast("Part", source).FIELDS.items():
         value = getattr(source, name)
-        if value is not None and value != math.inf and value != "":
+        if whole and hasattr(value, "FIELDS"):
+            table[name] = value
+        elif value is not None and value != math.inf and value != "":
             table[name] = written(value, field.dimension) if field.write is None else field.write(value)
     return table
 

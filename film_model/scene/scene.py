@@ -13,7 +13,7 @@ import numpy as np
 
 from film_model.base.arrays import any_of, either, endless, greater, lesser, root
 from film_model.base.errors import Mistake, SceneError, raise_all, shown
-from film_model.base.fields import mistake, table_of
+from film_model.base.fields import mistake
 from film_model.base.flow_stress import flow_of_yield
 from film_model.base.late import Late
 from film_model.base.materials import Material
@@ -22,11 +22,11 @@ from film_model.base.text import Text
 from film_model.base.units import format_si
 from film_model.laws import AbstractLaw
 from film_model.laws.elastoplastic import COMPARED_STRAIN, FITTED
-from film_model.scene.contact import Contact, contact_table
+from film_model.scene.contact import Contact
 from film_model.scene.impactor import Sphere
 from film_model.scene.noses import Nose, Oval, mistakes_of_shape, nose_of, oval_of, relative_radius
 from film_model.scene.options import DEFAULT_TOLERANCE, Effects, Solver
-from film_model.scene.sections import parts_of
+from film_model.scene.sections import SECTIONS, parts_of, section_of
 from film_model.scene.slope import slope_coefficient
 from film_model.scene.toml import (
     change_table,
@@ -93,27 +93,26 @@ class Scene:
     @classmethod
     def from_table(cls, table: Mapping[str, Any]) -> Scene:
         """Make a scene from nested tables laid out as in a scene file."""
+        return cls._of(table, {})
+
+    @classmethod
+    def _of(cls, table: Mapping[str, Any], others: Mapping[str, Any]) -> Scene:
+        """The same, with parts that are made already."""
         parts, mistakes = parts_of(table)
-        missing = [key for key in ("impactor", "target") if key not in table]
+        missing = [key for key in ("impactor", "target") if key not in table and key not in others]
         mistakes += [Mistake(None, None, key, f"missing: a section [{key}] is needed") for key in missing]
         if not isinstance(parts.get("title", ""), str):
             mistakes.append(Mistake(None, None, "title", f"{shown(parts['title'])} is not a text"))
         raise_all(mistakes)
         try:
-            return cls(**parts)
+            return cls(**others, **parts)
         except SceneError as error:
             raise SceneError(found.moved("") for found in error.mistakes) from None
 
     def to_table(self) -> dict[str, Any]:
         """Nested tables, as in a scene file, from which :meth:`from_table` makes the same scene, to the last bit."""
-        sections = {
-            "impactor": table_of(self.impactor),
-            "target": {"kind": self.target.kind, **table_of(self.target)},
-            "contact": contact_table(self.contact),
-            "effects": table_of(self.effects),
-            "solver": table_of(self.solver),
-        }
-        return {"title": self.title, **sections} if self.title else sections
+        title = {"title": self.title} if self.title else {}
+        return title | {name: section_of(name, getattr(self, name)) for name in SECTIONS}
 
     def to_toml(self) -> str:
         """The text of a scene file, from which :meth:`from_text` makes the same scene, to the last bit."""
@@ -134,7 +133,10 @@ class Scene:
         >>> scene.replace({"impactor.velocity": "2 m/s", "contact.law": "stronge"})
         Scene(ball of radius 10 mm, 32.71 g, 2 m/s, on mild steel half-space; law stronge)
         """
-        return Scene.from_table(change_table(self.to_table(), changes))
+        changed = {path.partition(".")[0] for path in changes}
+        others = {name: getattr(self, name) for name in (*SECTIONS, "title") if name not in changed}
+        sections = {name: section_of(name, getattr(self, name), whole=True) for name in SECTIONS if name in changed}
+        return Scene._of(change_table(sections, changes), others)
 
     @cached_property
     def mass(self) -> float:

@@ -1,4 +1,4 @@
-"""The parts of a scene from the sections of its file."""
+"""The parts of a scene from the sections of its file, and back."""
 
 from __future__ import annotations
 
@@ -6,11 +6,20 @@ from collections.abc import Callable, Mapping
 from typing import Any, cast
 
 from film_model.base.errors import Mistake, SceneError, did_you_mean, shown
-from film_model.base.fields import build, key_text
-from film_model.scene.contact import Contact
+from film_model.base.fields import build, key_text, table_of
+from film_model.scene.contact import Contact, contact_table
 from film_model.scene.impactor import Sphere
 from film_model.scene.options import Effects, Solver
 from film_model.targets import TARGETS, AbstractTarget
+
+SECTIONS = ("impactor", "target", "contact", "effects", "solver")
+"""Of a scene file, in order, each a part of a scene."""
+
+
+def section_of(name: str, part: Any, whole: bool = False) -> dict[str, Any]:
+    """The section of that name with a part of a scene. whole: as of `table_of`."""
+    kind = {"kind": part.kind} if name == "target" else {}
+    return contact_table(part) if name == "contact" else kind | table_of(part, whole)
 
 
 def parts_of(table: Mapping[str, Any]) -> tuple[dict[str, Any], list[Mistake]]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import copy
 import os
 import re
 import tomllib
@@ -11,7 +10,7 @@ from dataclasses import replace
 from typing import Any, cast
 
 from film_model.base.errors import Mistake, SceneError, shown
-from film_model.base.fields import key_text
+from film_model.base.fields import key_text, table_of
 from film_model.base.files import read_bytes
 from film_model.base.hdf5 import AN_FMU
 
@@ -97,11 +96,11 @@ def in_place_of(path: str) -> str | None:
 
 
 def change_table(table: dict[str, Any], changes: Mapping[str, Any]) -> dict[str, Any]:
-    """The table with the entries at paths such as "impactor.velocity" changed, or removed where None.
+    """The table, in which the entries at paths such as "impactor.velocity" are changed, or removed where None.
 
-    A number replaces the other one that says the same (`_IN_PLACE_OF`), unless both are given.
+    A number replaces the other one that says the same (`_IN_PLACE_OF`), unless both are given. table: its parts may be
+    objects, which become tables where an entry of theirs is changed.
     """
-    table = copy.deepcopy(table)
     given = {path for path, value in changes.items() if value is not None}
     ball = table.get("target", {}).get("kind") == "body"
     others = {in_place_of(path) for path in given if ball or path != "target.diameter"}
@@ -110,6 +109,8 @@ def change_table(table: dict[str, Any], changes: Mapping[str, Any]) -> dict[str,
         *sections, key = path.split(".")
         section = table
         for name in sections:
+            if hasattr(section.get(name), "FIELDS"):
+                section[name] = table_of(section[name])
             section = section.setdefault(name, {})
             if not isinstance(section, dict):
                 raise SceneError([Mistake(None, None, path, f"{name} has no entries of its own")])

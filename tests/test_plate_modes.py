@@ -13,10 +13,12 @@ import pytest
 import film_model as fm
 from film_model.core import native, panels
 from film_model.effects.choose import choose
+from film_model.effects.edge_effects import support_of
+from film_model.solve.batch import simulate_many
 from film_model.targets import Modes, plate_statics, ritz
 from film_model.targets.line_functions import line, polynomials
 from film_model.targets.modes import pulse_response
-from film_model.targets.panel_statics import panel_compliance, unit_compliance
+from film_model.targets.panel_statics import SEEN, compliance_and_error, panel_compliance, unit_compliance
 from film_model.targets.plate_modes import plate_modes
 from film_model.targets.ritz import Panel, panel_modes
 
@@ -176,8 +178,9 @@ def test_frequencies_of_a_long_plate_with_a_clamped_and_a_free_end():
     strip, place = panel("CFFF", (1.0, 0.03)), (0.9, 0.011)
     modes = panel_modes(strip, place, (70 * math.pi) ** 2).frequency[:30]
     lines = [polynomials(strip.ends[0], 60), polynomials(strip.ends[1], 14)]
-    blocks = ritz.split(strip, lines, place)
-    exact = np.sort(np.concatenate([ritz._vibrations(strip, lines, block, (place,))[0] for block in blocks]))[:30]
+    seen = ritz.shapes_at(strip, lines, place)
+    found = [ritz._vibrations(strip, lines, (p, q), seen[None, p, q]) for p, q in ritz.split(strip, lines, seen)]
+    exact = np.sort(np.concatenate([frequency for frequency, _ in found]))[:30]
     assert modes == pytest.approx(exact, rel=1.5e-5)
 
 
@@ -352,6 +355,32 @@ def test_plates_of_many_thicknesses_share_few_sets_of_modes():
     assert found[0] > 8 and found[-1] <= found[0] + 2
 
 
+def test_a_sweep_chooses_the_effects_of_an_impact_once(monkeypatch: pytest.MonkeyPatch):
+    plate = fm.Plate(
+        "aluminium 6061-T6", "4 mm", size=["200 mm", "200 mm"], edges="clamped", position=["70 mm", "55 mm"]
+    )
+    scene = fm.Scene(fm.Sphere("10 mm", "1 m/s", material="bearing steel"), plate, fm.Contact("hertz"))
+    times = 0
+
+    def counted(impacts):
+        nonlocal times
+        times += 1
+        return support_of(impacts)
+
+    monkeypatch.setattr("film_model.effects.choose.support_of", counted)
+    found = simulate_many(scene, {"target.thickness": np.linspace(0.003, 0.006, 5)})
+    assert times == 5 and (found.estimated < 1e-3).all()
+
+
+@pytest.mark.parametrize("letters", ["CCCC", "SFSS", "FCFC", "CSCC"])
+@pytest.mark.parametrize("foundation", [1e5, 1e6, 1e8])
+def test_edges_that_are_far_on_the_bed_change_no_more_than_the_bound(letters, foundation):
+    plate, place = panel(letters, (1.0, 0.6), foundation=foundation), (0.45, 0.3)
+    exact, rest = compliance_and_error(plate, place, far=14.0)
+    value, error = compliance_and_error(plate, place, far=SEEN)
+    assert abs(value - exact) <= error + rest and error < 1e-3 * exact
+
+
 def test_response_to_a_half_sine():
     """One mode, far slower and far faster than the half-sine: ∫∫F/M, and F/k."""
     for rate, expected in ((1e-3, (math.pi / 2 - 1) / (2.0 * math.pi**2)), (1e5, 1 / (2.0 * 1e10))):
@@ -375,7 +404,8 @@ def test_the_lowest_vibrations_are_as_exact_as_the_highest():
     """Against the largest eigenvalues of the inverse, which `eigh` finds to rounding; of the matrix it does not."""
     strip, highest = panel("CFFF", (30.0, 1.0)), 300.0
     lines = [ritz._line(strip, along, highest) for along in (0, 1)]
-    energy = ritz.energy_of(strip, lines, *ritz.split(strip, lines, (29.0, 0.5), highest)[0])
+    block, *_ = ritz.split(strip, lines, ritz.shapes_at(strip, lines, (29.0, 0.5)), highest)
+    energy = ritz.energy_of(strip, lines, *block)
     unit = 1.0 / np.sqrt(np.diag(energy))
     inverse = np.linalg.inv(energy * unit[:, None] * unit) * unit[:, None] * unit
     exact = 1.0 / np.linalg.eigvalsh(inverse)[::-1][:4]
@@ -431,9 +461,9 @@ def test_the_core_finds_the_same_spectrum():
     """Of plates and of random matrices."""
     cantilever, place, random = panel("CFFF"), (0.9, 0.31), np.random.default_rng(2)
     lines = [line(ends, 10) for ends in cantilever.ends]
+    shapes = ritz.shapes_at(cantilever, lines, place)
     cases = [
-        (ritz.energy_of(cantilever, lines, *block), ritz.shape_at(cantilever, lines, place, *block))
-        for block in ritz.split(cantilever, lines, place)
+        (ritz.energy_of(cantilever, lines, *block), shapes[block]) for block in ritz.split(cantilever, lines, shapes)
     ]
     root = random.normal(size=(41, 41))
     cases += [(root @ root.T + np.eye(41), random.normal(size=41)), (np.array([[4.0]]), np.array([-3.0]))]

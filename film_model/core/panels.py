@@ -86,6 +86,13 @@ def energy(panel: Panel, x: Functions, y: Functions, p: Index, q: Index) -> Arra
     return found
 
 
+def compliance(energy: Array, struck: Array) -> float:
+    """struck · energy⁻¹ · struck, by Cholesky's factor; NaN if the matrix, which is overwritten, is not positive."""
+    given = np.ascontiguousarray(struck), np.empty(struck.size)
+    pointers = (array.ctypes.data for array in (energy, *given))
+    return _library().film_compliance(struck.size, *pointers)
+
+
 def levy(panel: Panel, x: float, y: float) -> float:
     """Static deflection over force of a plate whose edges at y = 0 and b are simply supported."""
     return _library().film_panel_levy(c.byref(panel), x, y)

@@ -40,16 +40,25 @@ SURE = 3.0
 """Edges are neglected without further trials if the change by reflections is this many times below the tolerance."""
 
 
+MOST_KEPT = 1000
+"""Problems of impacts on targets that vibrate that are kept, of some kB each."""
+
+
 def problems_of(
-    scene: Scene, columns: Mapping[str, Array], count: int, status: NDArray[np.int32] | None = None
+    scene: Scene,
+    columns: Mapping[str, Array],
+    count: int,
+    status: NDArray[np.int32] | None = None,
+    vibrating: dict[int, Problem] | None = None,
 ) -> list[Problem]:
     """The problems of `count` impacts of a scene, some of whose numbers are columns (path → SI values, one each).
 
     Omitted are impacts that do not approach, those whose target vibrates, which have no lines, and those whose numbers
     raise an error; status is set to `NO_VELOCITY` and `VIBRATES` for the first two. If no impact remains because of
-    errors, the first error is raised.
+    errors, the first error is raised. vibrating: gets problems of the second, up to `MOST_KEPT`, by their rows.
     """
     status = np.zeros(count, np.int32) if status is None else status
+    vibrating = {} if vibrating is None else vibrating
     part, found = scene_of_columns(scene, columns), list[Problem]()
     approaches = column(part.approach_velocity, count) > 0.0
     moving = approaches.nonzero()[0]
@@ -57,26 +66,26 @@ def problems_of(
         status[~approaches] = NO_VELOCITY
         part = _part(scene, columns, moving)
     if moving.size == 1:  # arrays take three times as long
-        return _one_by_one(scene, columns, moving, status)
+        return _one_by_one(scene, columns, moving, status, vibrating)
     try:
         groups = _groups(scene, columns, moving, part)
         found = [problem for impacts, support in groups for problem in chosen(impacts, support)]
     except (TypeError, ValueError, SimulationError):  # a law or a target that accepts numbers only
-        return _one_by_one(scene, columns, moving, status)
+        return _one_by_one(scene, columns, moving, status, vibrating)
     if infinite_unless_judged(part) and edged(part) and scene.effects.boundary_reflections == "auto":
         found = [problem.part(~_edges_may_matter(problem)) for problem in found]
         found = [problem for problem in found if problem.approach.size]
     for problem in found:
         approaches[rows_of(problem)] = False
     left = approaches.nonzero()[0]
-    return found + (_one_by_one(scene, columns, left, status, bool(found)) if left.size else [])
+    return found + (_one_by_one(scene, columns, left, status, vibrating, bool(found)) if left.size else [])
 
 
 def law_warnings_of_each(scene: Scene, columns: Mapping[str, Array], count: int) -> list[list[str]]:
     """The warnings about the law of each of `count` impacts, as :func:`problems_of` has them; none if it fails."""
-    found, status = [list[str]() for _ in range(count)], np.zeros(count, np.int32)
+    found, status, known = [list[str]() for _ in range(count)], np.zeros(count, np.int32), dict[int, Problem]()
     try:
-        problems = problems_of(scene, columns, count, status)
+        problems = problems_of(scene, columns, count, status, known)
     except (SimulationError, ValueError):
         return found
     for problem in problems:
@@ -84,7 +93,7 @@ def law_warnings_of_each(scene: Scene, columns: Mapping[str, Array], count: int)
         for place, row in enumerate(rows_of(problem).tolist()):
             found[row] = law_warnings(problem.part(np.array([place])).as_first(), depths[place : place + 1])
     for row in (status == VIBRATES).nonzero()[0].tolist():
-        found[row] = law_warnings(problem_of(scene_of_row(scene, columns, row)))
+        found[row] = law_warnings(known.get(row) or problem_of(scene_of_row(scene, columns, row)))
     return found
 
 
@@ -110,9 +119,10 @@ def _one_by_one(
     columns: Mapping[str, Array],
     rows: Index,
     status: NDArray[np.int32],
+    vibrating: dict[int, Problem],
     others: bool = False,
 ) -> list[Problem]:
-    """Problems from one scene per row. others: whether problems of other rows exist."""
+    """Problems from one scene per row. vibrating: as of `problems_of`. others: whether problems of other rows exist."""
     groups: dict[tuple[Any, ...], list[tuple[int, Problem]]] = {}
     first: Exception | None = None
     if set(columns) <= set(_OF_THE_IMPACTOR) and rows.size > 4 * _ASKED and _all_vibrate(scene, columns, rows):
@@ -126,6 +136,8 @@ def _one_by_one(
             continue
         if problem.vibrates:
             status[row] = VIBRATES
+            if len(vibrating) < MOST_KEPT:
+                vibrating[row] = problem
             continue
         groups.setdefault((problem.law.name, id(problem.curve), problem.relaxation), []).append((row, problem))
     if not groups and not others and first is not None and not (status[rows] == VIBRATES).any():

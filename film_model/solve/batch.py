@@ -210,7 +210,8 @@ def simulate_many(scene: Scene, columns: Mapping[str, Array], solver: Solver | N
     status = np.full(count, native.BAD_NUMBER, np.int32)
     law = np.zeros(count, np.int8)
     segments, laws, estimated = np.zeros((count, 2), np.int32), list[str](), np.full(count, np.nan)
-    problems = problems_of(scene, columns, count, status)
+    known = dict[int, Problem]()
+    problems = problems_of(scene, columns, count, status, known)
     all_in_one = len(problems) == 1 and rows_of(problems[0]).size == count  # its columns are those of the result
     summary = {} if all_in_one else dict(zip(SUMMARY, np.full((len(SUMMARY), count), np.nan), strict=True))
     for problem in problems:
@@ -230,7 +231,7 @@ def simulate_many(scene: Scene, columns: Mapping[str, Array], solver: Solver | N
                 summary[name][rows] = column
     vibrating, followed = (status == VIBRATES).nonzero()[0], list[Followed]()
     if vibrating.size:
-        found = on_modes(scene, columns, vibrating, solver)
+        found = on_modes(scene, columns, vibrating, solver, known)
         status[vibrating] = found.status
         estimated[vibrating] = np.where(found.status >= 0, found.estimated, np.nan)
         laws += [name for name in dict.fromkeys(found.laws) if name not in laws]

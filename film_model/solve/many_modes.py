@@ -134,26 +134,30 @@ class Vibrating(NamedTuple):
     followed: list[Followed]
 
 
-def on_modes(scene: Scene, columns: Mapping[str, Array], rows: Index, solver: Solver) -> Vibrating:
-    """The impacts of `rows`, whose targets vibrate."""
+def on_modes(
+    scene: Scene, columns: Mapping[str, Array], rows: Index, solver: Solver, known: Mapping[int, Problem]
+) -> Vibrating:
+    """The impacts of `rows`, whose targets vibrate. known: problems of some of them."""
     accuracy = solver.accuracy or DEFAULT_ACCURACY
     if rows.size > 2 * TRIED and set(columns) <= set(SHARED):
         found = _on_one_structure(scene, columns, rows, accuracy)
         if found is not None:
             return found
-    return _one_by_one(scene, columns, rows, accuracy)
+    return _one_by_one(scene, columns, rows, accuracy, known)
 
 
 def _problem(scene: Scene, columns: Mapping[str, Array], row: int) -> Problem:
     return problem_of(scene_of_row(scene, columns, row))
 
 
-def _one_by_one(scene: Scene, columns: Mapping[str, Array], rows: Index, accuracy: float) -> Vibrating:
+def _one_by_one(
+    scene: Scene, columns: Mapping[str, Array], rows: Index, accuracy: float, known: Mapping[int, Problem]
+) -> Vibrating:
     values = {name: np.full(rows.size, np.nan) for name in SUMMARY}
     status, laws = np.full(rows.size, native.BAD_NUMBER, np.int32), list[str]()
     errors, followed = np.full(rows.size, np.nan), list[Followed]()
     for place, row in enumerate(rows.tolist()):
-        problem = _problem(scene, columns, row)
+        problem = known.get(row) or _problem(scene, columns, row)
         laws.append(problem.law.name)
         try:
             found, estimated = vibrate(problem, problem.scene.target, accuracy, [], recorded=False)
@@ -249,7 +253,7 @@ def _again(
     found: Vibrating, scene: Scene, columns: Mapping[str, Array], rows: Index, accuracy: float, poor: NDArray[np.bool_]
 ) -> Vibrating:
     """The same with the poor rows simulated one by one, with as many modes as each needs."""
-    better = _one_by_one(scene, columns, rows[poor], accuracy)
+    better = _one_by_one(scene, columns, rows[poor], accuracy, {})
     for name, column in found.summary.items():
         column[poor] = better.summary[name]
     found.status[poor], found.estimated[poor] = better.status, better.estimated

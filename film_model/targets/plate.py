@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from functools import reduce
+from functools import cached_property, reduce
 from typing import Any, ClassVar, Literal, cast
 
 from film_model.base.arrays import lesser, root
@@ -309,7 +309,7 @@ class Plate(AbstractTarget):
         """Whether all edges are simply supported, so that the vibrations have a closed form."""
         return self.edges == "simply supported"
 
-    @property
+    @cached_property
     def _panel(self) -> Panel:
         size, springs = cast("tuple[float, float]", self.size), four(self.edge_stiffness or 0.0)
         bed = self.foundation_stiffness or 0.0

@@ -213,27 +213,31 @@ function ritzCompliance(panel, point, degree) {
   return /** @type {number[]} */ (parts).reduce((sum, part) => sum + part, 0);
 }
 
-/** The static deflection over force, m/N, and a bound on its error. @param {Panel} given @param {number[]} place */
-function panelCompliance(given, place) {
-  const { levy, remainder, lower_degrees: lower, static_degree: degree } = DATA.constants.ritz;
-  let [panel, [x, y]] = feltOf(given, place);
+/** The static deflection over force, m/N, and a bound on its error. @param {Panel} given @param {number[]} place @param {number} far */
+function panelCompliance(given, place, far = DATA.constants.ritz.far) {
+  const { levy, images, remainder, lower_degrees: lower, static_degree: degree } = DATA.constants.ritz;
+  let [panel, [x, y]] = feltOf(given, place, far);
   const { a, b, d11, d22 } = panel;
   const nearer = Math.min(y, b - y) / d22 ** 0.25 < Math.min(x, a - x) / d11 ** 0.25;
   const [along, across] = [0, 1].map((side) => simple(panel, side));
   if ((nearer || along) && !across) [panel, x, y] = [turned(panel), y, x];
   const known = ofPanel(panel, (at) => CORE.c.film_panel_levy(at, x, y));
-  if (simple(panel, 1)) return { compliance: known, error: levy * known };
+  const error = (levy + (panel.bed ? images * Math.exp(-2 * far) : 0)) * known;
+  if (simple(panel, 1)) return { compliance: known, error };
   const like = { ...panel, edges: [...endsOf(panel, 0), 0, 0] };
   const [last, ...others] = [degree, ...lower].map((each) => ritzCompliance(panel, [x, y], each) - ritzCompliance(like, [x, y], each));
-  return { compliance: known + last, error: remainder * Math.max(...others.map((other) => Math.abs(last - other))) + levy * known };
+  return { compliance: known + last, error: remainder * Math.max(...others.map((other) => Math.abs(last - other))) + error };
 }
 
-/** The part of a plate on a bed that the force feels, and the place in it. @param {Panel} panel @param {number[]} place @returns {[Panel, number[]]} */
-function feltOf(panel, place) {
+/** The part of a plate on a bed that the force feels, and the place in it. @param {Panel} panel @param {number[]} place @param {number} far @returns {[Panel, number[]]} */
+function feltOf(panel, place, far) {
   const { a, b, d11, d22, d66, bed, edges } = panel;
   if (!bed) return [panel, place];
-  const { far } = DATA.constants.ritz;
-  const reach = [[d11, b], [d22, a]].map(([d, other]) => far * Math.max((4 * d / bed) ** 0.25, Math.sqrt(48 * d66 / bed) / other));
+  const reach = [[d11, a, b], [d22, b, a]].map(([d, side, other], along) => {
+    const found = far * Math.max((4 * d / bed) ** 0.25, Math.sqrt(48 * d66 / bed) / other);
+    const [near, off] = [place[along], side - place[along]];
+    return Math.min(near, off) > found || 2 * (Math.min(near, found) + Math.min(off, found)) <= side ? found : side;
+  });
   const [low, high] = [place, [a - place[0], b - place[1]]].map((distances) => distances.map((x, along) => Math.min(x, reach[along])));
   const kept = [low[0] === place[0], high[0] === a - place[0], low[1] === place[1], high[1] === b - place[1]];
   return [{ ...panel, a: low[0] + high[0], b: low[1] + high[1], edges: edges.map((edge, k) => (kept[k] ? edge : 0)) }, low];
@@ -245,11 +249,11 @@ function feltOf(panel, place) {
  * @param {number} highest @param {{compliance: number, error: number}} statics of panelCompliance
  */
 function omittedOf(panel, place, modes, highest, { compliance, error }) {
-  const { slower, spread } = DATA.constants.ritz;
+  const { slower, spread, seen } = DATA.constants.ritz;
   const lacking = compliance - bentBy(modes);
   if (error > spread * lacking) {
     const rate = highest / slower;
-    const grown = panelCompliance({ ...panel, bed: panel.mass * rate ** 2 }, place);
+    const grown = panelCompliance({ ...panel, bed: panel.mass * rate ** 2 }, place, seen);
     const more = 1 / (slower * Math.atan(1 / slower));
     const found = more * (grown.compliance - bentBy(modes, 0, rate));
     if (grown.error + spread * Math.abs(found) < error) return { lacking: Math.max(found, 0), error: more * grown.error };

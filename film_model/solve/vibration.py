@@ -45,6 +45,9 @@ HIGHEST = 64.0
 """Highest frequency over that of the first run, where more modes cannot be computed, or where the omitted compliance is
 a mode: a stiffer one takes shorter steps and changes no result."""
 
+MANY = 400
+"""Modes of a run from which on the next is recorded although it may not be the last: that takes 3 % of it."""
+
 _OUTCOMES = {native.EVENT: Outcome.SEPARATED, native.ENDLESS: Outcome.RESTING, native.OK: Outcome.TIME_LIMIT}
 _STATUSES = {outcome: status for status, outcome in _OUTCOMES.items()}
 
@@ -197,7 +200,7 @@ def _refined(
     recorded: bool,
 ) -> tuple[Vibration, Vibration, float]:
     """`vibrate` with the highest frequency between two values: the last two runs, and the estimate. limit: as of `run`.
-    recorded: whether a run that is sure or likely to be the last is recorded at once."""
+    recorded: whether a run that is sure or likely to be the last, or has many modes, is recorded at once."""
     (highest, most), tolerance, damped = between, step_tolerance(accuracy), problem.law.damped
     estimates = [math.inf]
 
@@ -213,7 +216,7 @@ def _refined(
     while True:
         work = sum(each.work for each in runs)
         sure = 2.0 * highest >= most or work + 5 * runs[-1].work > modal.MOST_WORK  # if more modes take no less
-        final = recorded and (sure or estimates[-1] <= MODES_FALL * accuracy)
+        final = recorded and (sure or estimates[-1] <= MODES_FALL * accuracy or runs[-1].modes >= MANY)
         try:
             runs.append(follow(2.0 * highest, tolerance, 2 * int(runs[-1].summary.lines) * final))
             highest *= 2.0

@@ -4,9 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-import numpy as np
-
-from film_model.base.arrays import greater, lesser, root
+from film_model.base.arrays import all_of, greater, lesser, root
 from film_model.base.units import format_si
 from film_model.targets.plate_statics import anisotropy
 from film_model.targets.target import Estimate, Impact
@@ -53,7 +51,7 @@ def paper_plate_impedance(mass_per_area: float, d11: float, d12: float, d22: flo
 def _agm(a: Any, b: Any) -> Any:
     """Arithmetic-geometric mean of two positive numbers. It converges quadratically: 1e-150 and 1 take 13 rounds."""
     for _ in range(64):
-        if np.all(abs(a - b) <= 4e-16 * a):
+        if all_of(abs(a - b) <= 4e-16 * a):
             break
         a, b = (a + b) / 2, root(a * b)
     return a

@@ -46,7 +46,8 @@ HIGHEST = 64.0
 a mode: a stiffer one takes shorter steps and changes no result."""
 
 MANY = 400
-"""Modes of a run from which on the next is recorded although it may not be the last: that takes 3 % of it."""
+"""Modes of a run of a damped law from which on the next is recorded although it may not be the last: that takes 3 % of
+it, and which run shows that more bring no accuracy is not known before."""
 
 _OUTCOMES = {native.EVENT: Outcome.SEPARATED, native.ENDLESS: Outcome.RESTING, native.OK: Outcome.TIME_LIMIT}
 _STATUSES = {outcome: status for status, outcome in _OUTCOMES.items()}
@@ -200,7 +201,7 @@ def _refined(
     recorded: bool,
 ) -> tuple[Vibration, Vibration, float]:
     """`vibrate` with the highest frequency between two values: the last two runs, and the estimate. limit: as of `run`.
-    recorded: whether a run that is sure or likely to be the last, or has many modes, is recorded at once."""
+    recorded: whether a run that is or may be the last is recorded at once."""
     (highest, most), tolerance, damped = between, step_tolerance(accuracy), problem.law.damped
     estimates = [math.inf]
 
@@ -216,7 +217,8 @@ def _refined(
     while True:
         work = sum(each.work for each in runs)
         sure = 2.0 * highest >= most or work + 5 * runs[-1].work > modal.MOST_WORK  # if more modes take no less
-        final = recorded and (sure or estimates[-1] <= MODES_FALL * accuracy or runs[-1].modes >= MANY)
+        many = damped and runs[-1].modes >= MANY
+        final = recorded and (sure or many or estimates[-1] <= MODES_FALL * accuracy)
         try:
             runs.append(follow(2.0 * highest, tolerance, 2 * int(runs[-1].summary.lines) * final))
             highest *= 2.0

@@ -142,7 +142,7 @@ def test_springs_beside_curves_of_their_own_have_the_results_of_single_impacts(d
 def test_neighbours_that_slip_longer_change_no_bit(power):
     """Springs of contacts that slide side by side are skipped until the first of these sticks."""
     count, knots = 40, 31
-    legs = np.array([[1.0, 2.0]]) * np.geomspace(0.5, 2.0, count)[:, None]
+    legs = np.array([[1.0, 2.0, 0.0]]) * np.geomspace(0.5, 2.0, count)[:, None]
     half = np.sin(0.5 * np.pi * springs.knots(knots, legs) / legs[:, :1])
     half = np.maximum(half, 0.0)
     force, radius = half**1.5, half ** (0.5 if power > 0.0 else 0.0)

@@ -100,28 +100,33 @@ def by_series(curve: native.Curve, cut: native.Mesh) -> bool:
 
 
 class Motions(NamedTuple):
-    """Forces and depths of many contacts, over scales, (contacts, times); nan without a record. slope: of the force, of
-    a reversible law. power: of the contact radius with which the depth of each grows."""
+    """Forces and depths of many contacts, over scales, (contacts, times); nan without a record. legs: times of the
+    turn, the end, and of yield or 0. slope: of the force, of a reversible law. power: of the contact radius with which
+    the depth of each grows."""
 
+    legs: NDArray[np.float64]
     force: NDArray[np.float64]
     depth: NDArray[np.float64]
     slope: NDArray[np.float64] | None
     power: NDArray[np.float64]
 
 
-def motions(rows: Rows, cut: native.Mesh, start: NDArray[Any], times: NDArray[np.float64], reversible: bool) -> Motions:
-    """The motions of many contacts (START_DTYPE) at ascending times (contacts, times), by lines or `by_series`."""
-    start, times = np.ascontiguousarray(start, native.START_DTYPE), np.ascontiguousarray(times, np.float64)
-    curves = rows.for_core()
-    force, depth, slope = (np.empty(times.shape) for _ in range(3))
-    power, sampled = np.empty(len(times)), np.empty(5 * times.shape[1])
+def motions(
+    rows: Rows, cut: native.Mesh, start: NDArray[Any], legs: NDArray[np.float64], knots: int, reversible: bool
+) -> Motions:
+    """The motions of many contacts (START_DTYPE) by lines or `by_series`, at so many knots of legs whose turn and end
+    are known, (contacts, 2)."""
+    start, curves = np.ascontiguousarray(start, native.START_DTYPE), rows.for_core()
+    legs, shape = np.pad(legs, ((0, 0), (0, 1))), (len(legs), 2 * (knots + 1))
+    times, force, depth, slope = (np.empty(shape) for _ in range(4))
+    power, sampled = np.empty(len(legs)), np.empty(5 * shape[1])
     most = 4 * LINES
     lines, events = np.empty(most, native.LINE_DTYPE), np.empty(EVENTS * native.STATE_DTYPE.itemsize, np.uint8)
     memory = [array.ctypes.data for array in (lines, events, sampled)]
-    room = _Room(*memory, times.shape[1], most, EVENTS, native.instructions(), 0)
-    found = [array.ctypes.data for array in (times, force, depth)]
+    room = _Room(*memory, shape[1], most, EVENTS, native.instructions(), 0)
+    found = [array.ctypes.data for array in (legs, times, force, depth)]
     native.library().film_motions_many(
         *(c.byref(room), c.byref(curves), c.byref(cut), start.size, start.ctypes.data),
         *(*found, slope.ctypes.data if reversible else None, power.ctypes.data),
     )
-    return Motions(force, depth, slope if reversible else None, power)
+    return Motions(legs, force, depth, slope if reversible else None, power)

@@ -67,10 +67,10 @@ class OwnCurves(NamedTuple):
         return families.batch(self._rows(curve), mesh, start)
 
     def motions(
-        self, curve: Curve, mesh: native.Mesh, start: NDArray[Any], times: Array, reversible: bool
+        self, curve: Curve, mesh: native.Mesh, start: NDArray[Any], legs: Array, knots: int, reversible: bool
     ) -> families.Motions:
-        """The motions of impacts at times (impacts, times), over the scales. curve: as in `march`."""
-        return families.motions(self._rows(curve), mesh, start, times, reversible)
+        """The motions of impacts as `families.motions`. curve: as in `march`."""
+        return families.motions(self._rows(curve), mesh, start, legs, knots, reversible)
 
     def _rows(self, curve: Curve) -> families.Rows:
         page, shape, varied, spring = self

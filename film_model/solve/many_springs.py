@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from functools import lru_cache
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -28,8 +27,8 @@ KNOTS = 31
 """Of each leg of contact at which a motion is sampled, for accuracies from 1e-4 on."""
 
 ROUGH = 2e-3
-"""Of the largest force or radius, by which knots lie beside the cubic through every other one where the law has a kink
-or a jump (tests/test_friction_estimate.py)."""
+"""Of the largest force or radius, by which knots lie beside the cubic through every other one where the law has a
+second kink or a jump (tests/test_friction_estimate.py)."""
 
 RECORDED = 5
 """Segments of a loading stage with which motions under laws that yield are recorded."""
@@ -90,6 +89,28 @@ def by_springs(
     return _followed(motions, normal, tolerance, levels, 2 if bounded and yields else 1)
 
 
+class _Samples(NamedTuple):
+    """Impacts at the knots of their legs, SI. legs: times of turn, end and a kink, (impacts, 3). force, radii: (impacts,
+    times); radii of a law that yields under two models; nan without a record. power: with which the depth of each grows
+    with its radius. missed: relative error of the impulse."""
+
+    legs: Array
+    force: Array
+    radii: tuple[Array, ...]
+    power: Array
+    missed: Array
+
+    @property
+    def roughness(self) -> Array:
+        """Of force and radius, as `core.roughness`."""
+        return np.maximum(*(core.roughness(values, self.legs) for values in (self.force, self.radii[0])))
+
+    def of(self, rows: Any) -> _Samples:
+        """Some of them."""
+        radii = tuple(radius[rows] for radius in self.radii)
+        return _Samples(self.legs[rows], self.force[rows], radii, self.power[rows], self.missed[rows])
+
+
 @dataclass(frozen=True)
 class _Motions:
     """Normal motions of impacts, by lines on their curves. segments: of their meshes; finer: of those that are not
@@ -111,63 +132,42 @@ class _Motions:
             alike = places[group.ravel() == k]
             yield from np.split(alike, range(at_once, alike.size, at_once))
 
-    def sampled(self, places: Index, knots: int) -> Iterator[tuple[Index, Array, tuple[Array, ...], Array, Array]]:
-        """These impacts, and the results of `at` at as many knots, or at twice as many on finer meshes where they are
-        `_rough` or their impulse is not exact."""
+    def sampled(self, places: Index, knots: int) -> Iterator[tuple[Index, _Samples]]:
+        """These impacts at as many knots, or at twice as many on finer meshes where they are rough or their impulse is
+        not exact."""
         left = list[Index]()
         for some in self.blocks(places, knots):
-            force, radii, power, missed = self.at(some, knots)
+            found = self.at(some, knots)
             if not self.problem.curve.reversible:
-                rough = _rough(force[:, : knots + 1]) | _rough(radii[0][:, : knots + 1]) | (missed > MISSED)
+                rough = (found.missed > MISSED) | (found.roughness > ROUGH)
                 if rough.any():
                     left.append(some[rough])
-                    some, force, power, missed = some[~rough], force[~rough], power[~rough], missed[~rough]
-                    radii = tuple(radius[~rough] for radius in radii)
-            yield some, force, radii, power, missed
+                    some, found = some[~rough], found.of(~rough)
+            yield some, found
         again = replace(self, segments=self.finer)
         for some in self.blocks(np.concatenate([*left, np.arange(0)]), 2 * knots + 1):
-            yield some, *again.at(some, 2 * knots + 1)
+            yield some, again.at(some, 2 * knots + 1)
 
-    def at(self, places: Index, knots: int) -> tuple[Array, tuple[Array, ...], Array, Array]:
-        """Forces and contact radii of some impacts at the knots of their legs, (impacts, times), SI, radii of a law
-        that yields under two models; nan without a record. Last the power with which the depth of each grows with its
-        radius, and the relative error of the impulse."""
+    def at(self, places: Index, knots: int) -> _Samples:
+        """Some impacts at the knots of their legs."""
         problem = self.problem.part(places)
         scales = problem.scales.part((slice(None), None))
         counts = self.segments[places[0]].tolist()
-        times = core.knots(knots, self.legs[places] / scales.time)
-        force, depth, slope, power = problem.motions(mesh_of(self.solver, (counts[0], counts[1])), times)
+        mesh = mesh_of(self.solver, (counts[0], counts[1]))
+        legs, force, depth, slope, power = problem.motions(mesh, self.legs[places] / scales.time, knots)
         force = np.maximum(force, 0.0, out=force) * scales.force
-        legs, weights = self.legs[places], _weights(knots)
-        inwards = (force[:, : knots + 1] * weights).sum(axis=1) * legs[:, 0]  # not by BLAS: no bit by neighbours
-        outwards = (force[:, knots + 1 :] * weights[::-1]).sum(axis=1) * (legs[:, 1] - legs[:, 0])
-        missed = abs((inwards + outwards) / self.impulse[places] - 1.0)
+        legs *= scales.time
+        missed = abs(core.impulses(force, legs) / self.impulse[places] - 1.0)
         if slope is not None:
             modulus = column(problem.scene.effective_modulus, places.size)[:, None]
-            return force, (slope * (scales.force / scales.length / (2.0 * modulus)),), power, missed
+            radii = (slope * (scales.force / scales.length / (2.0 * modulus)),)
+            return _Samples(legs, force, radii, power, missed)
         depth *= scales.length
         law, to = np.full(depth.shape, np.nan), slice(knots + 1)
         law[:, to] = radius_beyond_yield(problem, depth[:, to].T, force[:, to].T, tabled=True).T
         first, second = core.radii(force, depth, law, 1.0)
-        return force, (first, second / column(problem.scene.effective_modulus, places.size)[:, None]), power, missed
-
-
-@lru_cache(maxsize=8)
-def _weights(knots: int) -> Array:
-    """Of values at the knots of the way in, for their integral over time, by cubics over the x of film_leg_share."""
-    x, even = np.arange(knots + 1) / knots, np.zeros(knots + 1)
-    for i in range(knots):
-        first = min(max(i - 1, 0), knots - 3)
-        own = {0: [9, 19, -5, 1], 1: [-1, 13, 13, -1], 2: [1, -5, 19, 9]}[i - first]
-        even[first : first + 4] += np.array(own) / (24 * knots)
-    return even * 2.0 * 17.0**0.25 * x * (1.0 + 8.0 * x**4) * (1.0 + 16.0 * x**4) ** -1.25
-
-
-def _rough(values: Array) -> NDArray[np.bool_]:
-    """Which values at knots up to the turn have a kink or jump between."""
-    odd = values[:, 3:-3:2]
-    between = (9.0 * (values[:, 2:-4:2] + values[:, 4:-2:2]) - values[:, :-6:2] - values[:, 6::2]) / 16.0
-    return np.abs(odd - between).max(axis=1) > ROUGH * values.max(axis=1)
+        second /= column(problem.scene.effective_modulus, places.size)[:, None]
+        return _Samples(legs, force, (first, second), power, missed)
 
 
 def _followed(
@@ -189,16 +189,16 @@ def _followed(
     with np.errstate(divide="ignore", invalid="ignore"):
         alike = np.argsort(abs(velocity) / (friction * scene.approach_velocity))  # slide as long in lanes
     missed = np.full(count, np.nan)
-    for some, force, radii, power, off in motions.sampled(alike, knots):
-        numbers = np.stack([modulus[some], power, mass[some], velocity[some], *motions.legs[some].T], axis=1)
-        missed[some], allowed, wanted = off, tolerance * abs(velocity[some]), np.zeros(some.size)
+    for some, seen in motions.sampled(alike, knots):
+        numbers = np.stack([modulus[some], seen.power, mass[some], velocity[some], *seen.legs.T], axis=1)
+        missed[some], allowed, wanted = seen.missed, tolerance * abs(velocity[some]), np.zeros(some.size)
         for level, steps in levels:
             own = index_or_all(np.flatnonzero(wanted <= level), some.size)
             if not some[own].size:
                 continue
-            table, left = pairs[some[own]] if given.table is None else given.pairs, (numbers[own], force[own])
+            table, left = pairs[some[own]] if given.table is None else given.pairs, (numbers[own], seen.force[own])
             # the second model once, without the runs that tell its error, which is less than that of the turn
-            followed = radii[: models if level == levels[0][0] else 1]
+            followed = seen.radii[: models if level == levels[0][0] else 1]
             runs = [
                 core.many(level, steps // 2, table, *left, radius[own], k == 0) for k, radius in enumerate(followed)
             ]

@@ -5,15 +5,25 @@
 #include "batch/film_many.h"
 #include "oblique/film_springs.h"
 
+#include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
-/* Force and depth of one contact over time and, unless it is NULL, the slope of the force. */
+/* When a contact leaves the first stage of its law, at which it yields; 0 if it does not. */
+static double yields_at(const film_line *line, int32_t count) {
+    int32_t i = 0;
+    while (i < count && line[i].branch != 1) i++;
+    return i < count ? line[i].time : 0.0;
+}
+
+/* Force and depth of one contact over time and, unless it is NULL, the slope of the force; without one the contact may yield. */
 static int one_motion(const film_motions *m, const film_curve *curve, const film_mesh *mesh, const film_start *start,
-                      const double *times, double *force, double *depth, double *slope) {
+                      double *legs, double *times, double *force, double *depth, double *slope) {
     int64_t samples = m->samples;
     int32_t lines;
     int status = film_record_one(curve, mesh, start, m->lines, m->line_room, &lines, m->events, m->event_room);
     if (status < 0) return status;
+    if (!slope && (legs[2] = yields_at(m->lines, lines)) > 0.0) film_springs_knots(1, samples / 2 - 1, legs, times);
     film_routines(m->instructions)->sample(curve, m->lines, lines, times, samples, m->sampled, samples);
     memcpy(depth, m->sampled, (size_t)samples * sizeof *depth);
     memcpy(force, m->sampled + 2 * samples, (size_t)samples * sizeof *force);
@@ -46,7 +56,7 @@ static void by_series(int instructions, const film_curve *curve, const film_mesh
 }
 
 void film_motions_many(const film_motions *m, const film_curves *of, const film_mesh *mesh, int64_t count, const film_start *start,
-                       const double *times, double *force, double *depth, double *slope, double *power) {
+                       double *legs, double *times, double *force, double *depth, double *slope, double *power) {
     const film_curve *curve = of->curve;
     film_mesh lines = *mesh;
     film_curve made;
@@ -55,6 +65,7 @@ void film_motions_many(const film_motions *m, const film_curves *of, const film_
     if (!alike) made = *curve;
     int32_t known[LANES];
     int series = alike && slope && film_motions_by_series(curve, mesh);
+    film_springs_knots(count, m->samples / 2 - 1, legs, times);
     for (int64_t i = 0; i < count; i++, times += m->samples, force += m->samples, depth += m->samples) {
         int status = FILM_BAD_NUMBER;
         if (series && i % LANES == 0) {
@@ -67,7 +78,7 @@ void film_motions_many(const film_motions *m, const film_curves *of, const film_
         if (done) status = FILM_OK;
         for (int again = !done && isfinite(times[m->samples - 1]); again; energy = INFINITY) { /* as march_on */
             status = alike ? FILM_OK : film_curve_of(of, i, energy, &made);
-            if (status >= 0) status = one_motion(m, alike ? curve : &made, &lines, &start[i], times, force, depth, own_slope);
+            if (status >= 0) status = one_motion(m, alike ? curve : &made, &lines, &start[i], legs + 3 * i, times, force, depth, own_slope);
             again = status == FILM_BEYOND_LAW && energy < INFINITY;
         }
         power[i] = film_springs_power(alike ? curve : &made);
@@ -75,14 +86,59 @@ void film_motions_many(const film_motions *m, const film_curves *of, const film_
     }
 }
 
+enum { TIMED = 16 }; /* contacts whose times are taken together */
+
 void film_springs_knots(int64_t count, int64_t knots, const double *legs, double *times) {
-    for (int64_t i = 0; i < count; i++, times += 2 * (knots + 1)) {
-        double turn = legs[2 * i], out = legs[2 * i + 1] - turn;
+    int64_t values = 2 * (knots + 1);
+    film_bend bend[TIMED];
+    for (int64_t first = 0; first < count; first += TIMED, legs += 3 * TIMED, times += values * TIMED) {
+        int64_t own = count - first < TIMED ? count - first : TIMED;
+        for (int64_t i = 0; i < own; i++) bend[i] = film_bend_of(legs[3 * i + 2], legs[3 * i], knots);
         for (int64_t k = 0; k <= knots; k++) {
             double share = film_leg_share((double)k / (double)knots);
-            times[k] = k == knots ? turn : turn * share;
-            times[2 * knots + 1 - k] = k == knots ? turn : legs[2 * i + 1] - out * share;
+            for (int64_t i = 0; i < own; i++) {
+                double turn = legs[3 * i], end = legs[3 * i + 1];
+                double in = bend[i].early * fmin(share, bend[i].share) + bend[i].late * fmax(share - bend[i].share, 0.0);
+                times[i * values + k] = k == bend[i].knot ? legs[3 * i + 2] : k == knots ? turn : in;
+                times[i * values + 2 * knots + 1 - k] = k == knots ? turn : end - (end - turn) * share;
+            }
         }
+    }
+}
+
+/* The sum over the knots from one to another of values, by cubics between, over their distance: value k is rise[k] force[by k]. */
+static double between(int64_t from, int64_t to, const double *rise, const double *force, int64_t by) {
+    static const double ends[4] = {-16.0 / 24.0, 7.0 / 24.0, -4.0 / 24.0, 1.0 / 24.0};
+    double sum = 0.0;
+    for (int64_t k = from; k <= to; k++) sum += rise[k] * force[by * k];
+    for (int k = 0; k < 4; k++) sum += ends[k] * (rise[from + k] * force[by * (from + k)] + rise[to - k] * force[by * (to - k)]);
+    return sum;
+}
+
+void film_springs_impulses(int64_t count, int64_t knots, const double *legs, const double *force, double *impulse) {
+    double rise[FILM_MOST_STEPS + 1]; /* of film_leg_share, from knot to knot */
+    for (int64_t k = 0; k <= knots && k <= FILM_MOST_STEPS; k++) {
+        double x = (double)k / (double)knots, fourth = x * x * x * x, by = 1.0 + 16.0 * fourth;
+        rise[k] = 2.0 * film_leg_share(x) * (1.0 + 8.0 * fourth) / by / (x > 0.0 ? x : 1.0) / (double)knots;
+    }
+    for (int64_t i = 0; i < count; i++, legs += 3, force += 2 * (knots + 1)) {
+        film_bend bend = film_bend_of(legs[2], legs[0], knots);
+        int64_t bent = bend.knot > 0 ? bend.knot : 0;
+        double out = (legs[1] - legs[0]) * between(0, knots, rise, force + 2 * knots + 1, -1);
+        impulse[i] = out + bend.late * between(bent, knots, rise, force, 1) + (bent > 0 ? bend.early * between(0, bent, rise, force, 1) : 0.0);
+    }
+}
+
+void film_springs_roughness(int64_t count, int64_t knots, const double *legs, const double *values, double *roughness) {
+    for (int64_t i = 0; i < count; i++, legs += 3, values += 2 * (knots + 1)) {
+        int64_t knot = film_bend_of(legs[2], legs[0], knots).knot;
+        double largest = 0.0, most = 0.0;
+        for (int64_t k = 0; k <= knots; k++) largest = fmax(largest, values[k]);
+        for (int64_t k = 3; k + 3 <= knots; k += 2) {
+            double between = (9.0 * (values[k - 1] + values[k + 1]) - values[k - 3] - values[k + 3]) / 16.0;
+            if (llabs(knot - k) >= 3) most = fmax(most, fabs(values[k] - between));
+        }
+        roughness[i] = most / largest;
     }
 }
 

@@ -17,10 +17,11 @@ static const double SUMMED = 1e-12, STUCK = 1e-9;
 
 /* The springs of a group of impacts, as in film_springs, with one over what they divide by. top: how deep the contact is, as
  * film_springs.reach; met: springs that touch; rise: of q in the last step; cut: if asked for. slides: the sign of a contact all of whose
- * springs slip, else 0; share: their limit over top - reach; stale: 1 if u is that limit and not put in. */
+ * springs slip, else 0; share: their limit over top - reach; time: since the leg began; h: of the last step; stale: 1 if u is that limit
+ * and not put in. */
 typedef struct {
     double per_width[SPRUNG], stiffness[SPRUNG], per_stiffness[SPRUNG], power[SPRUNG], friction[SPRUNG], per_mass[SPRUNG], v[SPRUNG], q[SPRUNG];
-    double rise[SPRUNG], top[SPRUNG], cut[SPRUNG], slides[SPRUNG], share[SPRUNG];
+    double rise[SPRUNG], top[SPRUNG], cut[SPRUNG], slides[SPRUNG], share[SPRUNG], time[SPRUNG], h[SPRUNG];
     double met[SPRUNG], count[SPRUNG];
     double u[FILM_MOST_SPRINGS][SPRUNG], reach[FILM_MOST_SPRINGS][SPRUNG], sums[FILM_MOST_SPRINGS + 1][SPRUNG];
     int32_t spheres, stale; /* spheres: 1 if the power of all is 2 or 0 */
@@ -31,7 +32,7 @@ static void put_springs(spring_group *restrict g, int l, const film_springs *s) 
     int32_t alike = g->power[l] == s->power && g->count[l] == (double)s->count ? s->count : 0;
     g->per_width[l] = 1.0 / s->width, g->stiffness[l] = s->stiffness, g->per_stiffness[l] = 1.0 / s->stiffness;
     g->per_mass[l] = 1.0 / s->mass, g->power[l] = s->power, g->friction[l] = s->friction, g->v[l] = s->v, g->count[l] = s->count;
-    g->q[l] = g->rise[l] = g->top[l] = g->slides[l] = g->share[l] = g->met[l] = 0.0, g->stale = 0;
+    g->q[l] = g->rise[l] = g->top[l] = g->slides[l] = g->share[l] = g->met[l] = g->time[l] = g->h[l] = 0.0, g->stale = 0;
     g->spheres = (l == 0 || g->spheres) && (s->power == 2.0 || s->power == 0.0);
     for (int32_t j = alike; j < FILM_MOST_SPRINGS && j < s->count; j++)
         g->reach[j][l] = s->reach[j], g->sums[j + 1][l] = s->sums[j + 1];
@@ -207,13 +208,34 @@ typedef struct {
     spring_group runs[FILM_SPRINGS_RUNS];
     double force[SPRUNG], when[SPRUNG], limits[SPRUNG], used[SPRUNG], apart[FILM_SPRINGS_RUNS][SPRUNG];
     const double *table[SPRUNG], *forces[SPRUNG], *radii[SPRUNG];
+    film_bend bend[2][SPRUNG]; /* of the way in, and of that out, which has none */
+    double bent[2][SPRUNG], early[2][SPRUNG], late[2][SPRUNG]; /* its members */
     double share[FILM_MOST_STEPS + 1]; /* of a leg, after each of its steps on the way in */
     double near_forces[4][SPRUNG], near_radii[4][SPRUNG];
     film_springs_impact_result found[SPRUNG];
 } sliding_group;
 
+/* Value 0 of a cubic whose values 1 to 4 have a stride. */
+static double before_cubic(const double *value, int64_t by) { return 4.0 * (value[by] + value[3 * by]) - 6.0 * value[2 * by] - value[4 * by]; }
+
+/* The four knots from `first` on of a leg with a kink, by cubics on the side of the kink on which their steps are. */
+static void bend_knots(sliding_group *restrict s, int l, int64_t first, int64_t knot) {
+    const double *force = s->forces[l] + knot, *radius = s->radii[l] + knot;
+    double jumped[5] = {0.0, before_cubic(radius, 1), radius[1], radius[2], radius[3]};
+    int late = first + 1 >= knot; /* of the middle two knots the first is the kink, or beyond */
+    for (int k = 0; k < 4; k++) s->near_forces[k][l] = force[first - knot + k], s->near_radii[k][l] = radius[first - knot + k];
+    if (late) {
+        s->near_radii[knot - first][l] = jumped[1];
+        if (first + 1 == knot) s->near_forces[0][l] = before_cubic(force - 1, 1), s->near_radii[0][l] = before_cubic(jumped, 1);
+        return;
+    }
+    double left[5] = {0.0, before_cubic(radius, -1), radius[-1], radius[-2], radius[-3]};
+    s->near_radii[knot - first][l] = left[1];
+    if (first + 2 == knot) s->near_forces[3][l] = before_cubic(force + 1, -1), s->near_radii[3][l] = before_cubic(left, 1);
+}
+
 /* The four knots from `first` of a leg on, whose values begin at `begin`; the last four were from `before` on. */
-CALLED void take_knots(sliding_group *restrict s, int64_t begin, int64_t first, int64_t before) {
+CALLED void take_knots(sliding_group *restrict s, int out, int64_t begin, int64_t first, int64_t before) {
     int k = 0;
     if (first == before) return;
     for (; first == before + 1 && k < 3; k++) EACH_SPRUNG(l) {
@@ -223,6 +245,10 @@ CALLED void take_knots(sliding_group *restrict s, int64_t begin, int64_t first, 
     for (; k < 4; k++)
         for (int l = 0; l < SPRUNG; l++)
             s->near_forces[k][l] = s->forces[l][begin + first + k], s->near_radii[k][l] = s->radii[l][begin + first + k];
+    for (int l = 0; l < SPRUNG; l++) {
+        int64_t knot = s->bend[out][l].knot;
+        if (first <= knot && knot <= first + 3) bend_knots(s, l, first, knot);
+    }
 }
 
 /* The cubic through four knots at x from the first of them, at least 0. */
@@ -258,31 +284,25 @@ CALLED void put_apart(sliding_group *restrict s, int k, const double *restrict f
     }
 }
 
-/* The times of a step that is a part of a leg; ratio: as in group_steps. */
-CALLED void time_step(group_steps *restrict step, double part, double ratio, const double *restrict leg) {
-    double even = ratio > 0.0 ? 2.0 * ratio / (1.0 + ratio) : 1.0;
-    EACH_SPRUNG(l) step->h[l] = part * leg[l];
-    EACH_SPRUNG(l) step->ratio[l] = ratio;
-    EACH_SPRUNG(l) step->even[l] = even;
-}
-
-/* Step i of a leg in run k. */
-static void begin_time(const sliding_group *s, group_steps *to, int out, int64_t i, int64_t one, int64_t steps, double (*legs)[SPRUNG]) {
-    double now = passed(s, out, i, steps), part = i > 0 ? now - passed(s, out, i - one, steps) : 0.0;
-    double before = i > one ? now - part - passed(s, out, i - 2 * one, steps) : 0.0, turned = out && i == one ? 1.0 - s->share[steps - one] : 0.0;
-    time_step(to, part, before > 0.0 ? part / before : 0.0, legs[out]);
-    for (int l = 0; turned > 0.0 && l < SPRUNG; l++) {
-        to->ratio[l] = to->h[l] / (turned * legs[0][l]);
-        to->even[l] = 2.0 * to->ratio[l] / (1.0 + to->ratio[l]);
+/* The times of a step of a run that ends at a share of a leg, or takes none. */
+CALLED void begin_time(const sliding_group *restrict s, spring_group *restrict g, group_steps *restrict to, int out, double share, int timed) {
+    EACH_SPRUNG(l) {
+        double bent = s->bent[out][l], up = share < bent ? share : bent, rest = share > bent ? share - bent : 0.0;
+        double now = s->early[out][l] * up + s->late[out][l] * rest, before = g->h[l], h = timed ? now - g->time[l] : 0.0;
+        double both = before + h, per = before > 0.0 ? 1.0 / (before * both) : 0.0;
+        to->h[l] = h;
+        to->ratio[l] = h * both * per;
+        to->even[l] = per * h > 0.0 ? 2.0 * h * before * per : 1.0;
+        g->time[l] = now;
+        g->h[l] = timed ? h : before;
     }
 }
 
 /* What friction has done in a step. begin: time of the leg, NULL for 0. */
-CALLED void measure_step(sliding_group *restrict s, const double *restrict begin, double share, const double *restrict leg,
-                         const double *restrict time, const double *restrict force) {
+CALLED void measure_step(sliding_group *restrict s, const double *restrict begin, const double *restrict time, const double *restrict force) {
     const spring_group *fine = &s->runs[0];
     EACH_SPRUNG(l) {
-        double size = fabs(fine->q[l]), at = (begin ? begin[l] : 0.0) + share * leg[l];
+        double size = fabs(fine->q[l]), at = (begin ? begin[l] : 0.0) + fine->time[l];
         s->when[l] = size > s->force[l] ? at : s->when[l];
         s->force[l] = size > s->force[l] ? size : s->force[l];
         s->limits[l] += fine->friction[l] * force[l] * time[l];
@@ -296,16 +316,15 @@ static void take_steps(sliding_group *restrict s, group_steps *restrict to, int 
     for (int k = 0; k < count; k++) {
         double x = (double)(first + k) * per;
         int64_t own = first + k > 0 ? (int64_t)(x - 0.5 * per) : 0, at = own < 1 ? 0 : own - 1 < knots - 3 ? own - 1 : knots - 3;
-        take_knots(s, out * (knots + 1), at, near);
+        take_knots(s, out, out * (knots + 1), at, near);
         near = at;
         between_knots(s->near_forces, x - (double)near, to->force[k]);
         between_knots(s->near_radii, x - (double)near, to->radius[k]);
     }
 }
 
-/* A leg of contact; whether impacts are left without a phase. out: 1 on the way out, which begins with a step of no time: where the contact turns its radius may jump. */
-static int follow_leg(sliding_group *restrict s, int out, double (*legs)[SPRUNG], int32_t rows, int64_t steps, int64_t knots, int runs,
-                      int watched) {
+/* A leg of contact, which begins at a time, NULL for 0; whether impacts are left without a phase. out: 1 on the way out, which begins with a step of no time: where the contact turns its radius may jump. */
+static int follow_leg(sliding_group *restrict s, int out, const double *begin, int32_t rows, int64_t steps, int64_t knots, int runs, int watched) {
     double before[SPRUNG], v[FILM_SPRINGS_RUNS][CHUNK][SPRUNG], per = (double)knots / (double)steps;
     group_steps of;
     group_plan plan;
@@ -320,14 +339,14 @@ static int follow_leg(sliding_group *restrict s, int out, double (*legs)[SPRUNG]
             plan_steps(g, &of, each, count / each, &plan);
             for (int j = 0; j < count / each; j++) {
                 int64_t i = first == 0 ? 0 : first - 1 + (j + 1) * each;
-                begin_time(s, &of, out, i, each, steps, legs);
+                begin_time(s, g, &of, out, passed(s, out, i, steps), i > 0);
                 take_friction(g, of.h, s->table, rows);
                 slide_group(g, &of, &plan, j, rows == 1, i > 0, watched && k == 0);
                 memcpy(v[k][j], g->v, sizeof g->v);
                 if (k > 0) put_apart(s, k, v[k - 1][first == 0 ? 0 : 2 * j + 1], v[k][j]);
                 if (k > 0) continue;
                 if (watched && i > 0) watched = watch_group(s, before, of.radius[j], of.h) < SPRUNG;
-                measure_step(s, out ? legs[0] : NULL, passed(s, out, i, steps), legs[out], of.h, of.force[j]);
+                measure_step(s, begin, of.h, of.force[j]);
                 memcpy(before, of.radius[j], sizeof before);
             }
         }
@@ -347,22 +366,24 @@ static void slide_lanes(int64_t count, int32_t springs, int32_t estimated, const
     memset(runs, 0, sizeof runs);
     for (int64_t i = 0; i <= steps && i <= FILM_MOST_STEPS; i++) s.share[i] = film_leg_share((double)i / (double)steps);
     for (int64_t first = 0; first < count; first += SPRUNG) {
-        double legs[2][SPRUNG];
+        double turn[SPRUNG];
         int status[SPRUNG];
         memset(s.force, 0, offsetof(sliding_group, table) - offsetof(sliding_group, force));
         for (int k = 0; k < of; k++) memset(s.runs[k].u, 0, (size_t)(springs >> k) * sizeof s.runs[k].u[0]);
         for (int l = 0; l < SPRUNG; l++) {
             int64_t i = first + (first + l < count ? l : 0);
-            const double *n = numbers + 6 * i;
+            const double *n = numbers + 7 * i;
             s.table[l] = friction + (shared ? 0 : 2 * rows * i);
             s.forces[l] = force + i * values, s.radii[l] = radius + i * values;
             s.found[l] = (film_springs_impact_result){.velocity = n[3], .watch = {.phase = -1}};
             status[l] = film_springs_begin(runs, of, springs, n[0], n[1], n[2], n[3], s.table[l][1], values - 1, s.radii[l]);
             for (int k = 0; k < of; k++) put_springs(&s.runs[k], l, &runs[k]);
-            legs[0][l] = n[4], legs[1][l] = n[5] - n[4];
+            turn[l] = n[4];
+            s.bend[0][l] = film_bend_of(n[6], n[4], knots), s.bend[1][l] = film_bend_of(0.0, n[5] - n[4], knots);
+            for (int k = 0; k < 2; k++) s.bent[k][l] = s.bend[k][l].share, s.early[k][l] = s.bend[k][l].early, s.late[k][l] = s.bend[k][l].late;
         }
-        int watched = follow_leg(&s, 0, legs, rows, steps, knots, of, 1);
-        follow_leg(&s, 1, legs, rows, steps, knots, of, watched);
+        int watched = follow_leg(&s, 0, NULL, rows, steps, knots, of, 1);
+        follow_leg(&s, 1, turn, rows, steps, knots, of, watched);
         for (int l = 0; l < SPRUNG && first + l < count; l++) {
             film_springs_impact_result *found = &s.found[l];
             if (status[l] == FILM_OK) {

@@ -14,6 +14,25 @@ static inline double film_leg_share(double x) {
     return square * sqrt(sqrt(17.0 / (1.0 + 16.0 * square * square)));
 }
 
+/* A way in whose force has a kink lasts `early` times its shares up to `share`, where the kink is the knot `knot` of it, and `late` times
+ * those beyond; without a kink, or so few knots that cubics do not fit on both sides, knot is -FILM_BEND and share 1. */
+enum { FILM_BEND = 4 };
+typedef struct {
+    double share, early, late;
+    int64_t knot;
+} film_bend;
+
+static inline film_bend film_bend_of(double kink, double turn, int64_t knots) {
+    film_bend bend = {1.0, turn, turn, -FILM_BEND};
+    if (!(kink > 0.0 && kink < turn) || knots < 2 * FILM_BEND) return bend;
+    double square = (kink / turn) * (kink / turn), fourth = (16.0 * square * square + square * sqrt(256.0 * square * square + 68.0)) / 34.0;
+    double nearest = floor(sqrt(sqrt(fourth)) * (double)knots + 0.5);
+    bend.knot = (int64_t)fmin(fmax(nearest, FILM_BEND), (double)(knots - FILM_BEND));
+    bend.share = film_leg_share((double)bend.knot / (double)knots);
+    bend.early = kink / bend.share, bend.late = (turn - kink) / (1.0 - bend.share);
+    return bend;
+}
+
 /* For film_batch_of and film_motions_many: an impact that lanes cannot run. */
 enum { LEFT_ALONE = 100 };
 

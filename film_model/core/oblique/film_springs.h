@@ -103,12 +103,19 @@ typedef struct {
 } film_springs_brief;
 
 /* Times of the knots of `count` impacts, one after another: `knots` + 1 from first touch to the turn, as many from there to the end.
- * legs: times of the turn and the end of each. */
+ * legs: times of the turn, the end, and a kink of the force before the turn, a knot of 8 or more, of each; that is 0 without one. */
 FILM_API void film_springs_knots(int64_t count, int64_t knots, const double *legs, double *times);
 
-/* count impacts side by side, without their motions. numbers: of each modulus, power, mass, velocity and the times of the turn and the
- * end. friction: `rows` pairs of all if shared is 1, else of each. steps: of each leg, a multiple of 4 up to FILM_MOST_STEPS. force,
- * radius: at the times of film_springs_knots, with cubics between; the radius may jump at the turn. knots: at least 3. estimated:
+/* The impulse of each force at these times, knots: 3 to FILM_MOST_STEPS. */
+FILM_API void film_springs_impulses(int64_t count, int64_t knots, const double *legs, const double *force, double *impulse);
+
+/* By how much of the largest of some values up to the turn at most every other lies beside the cubic through its neighbours on one side
+ * of the kink. */
+FILM_API void film_springs_roughness(int64_t count, int64_t knots, const double *legs, const double *values, double *roughness);
+
+/* count impacts side by side, without their motions. numbers: of each modulus, power, mass, velocity and three times as
+ * film_springs_knots. friction: `rows` pairs of all if shared is 1, else of each. steps: of each leg, a multiple of 4 up to FILM_MOST_STEPS. force,
+ * radius: at the times of film_springs_knots, with cubics between; the radius may jump at the kink and at the turn. knots: at least 3. estimated:
  * 0 for an error of 0, without the runs that tell it. */
 FILM_API void film_springs_many(int instructions, int64_t count, int32_t springs, int32_t estimated, const double *numbers,
                                 const double *friction, int32_t rows, int shared, int64_t steps, int64_t knots, const double *force, const double *radius,

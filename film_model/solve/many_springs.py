@@ -23,7 +23,7 @@ from film_model.scene.rolling import sliding_of
 from film_model.solve.accuracy import mesh_of
 from film_model.solve.many_meshes import recorded_segments
 
-KNOTS = 31
+KNOTS = 32
 """Of each leg of contact at which a motion is sampled, for accuracies from 1e-4 on."""
 
 ROUGH = 2e-3
@@ -145,8 +145,8 @@ class _Motions:
                     some, found = some[~rough], found.of(~rough)
             yield some, found
         again = replace(self, segments=self.finer)
-        for some in self.blocks(np.concatenate([*left, np.arange(0)]), 2 * knots + 1):
-            yield some, again.at(some, 2 * knots + 1)
+        for some in self.blocks(np.concatenate([*left, np.arange(0)]), 2 * knots):
+            yield some, again.at(some, 2 * knots)
 
     def at(self, places: Index, knots: int) -> _Samples:
         """Some impacts at the knots of their legs."""
@@ -185,7 +185,7 @@ def _followed(
     peak, when = np.full((2, count), np.nan)
     regime = np.full(count, -1, np.int8)
     finer = KNOTS * (DEFAULT_ACCURACY / tolerance) ** 0.5
-    knots = max(levels[0][1] // 8 - 1, min(int(finer), springs.STEPS // 8), KNOTS)
+    knots = max(levels[0][1] // 8, min(int(finer) // 8 * 8, springs.STEPS // 8), KNOTS)
     with np.errstate(divide="ignore", invalid="ignore"):
         alike = np.argsort(abs(velocity) / (friction * scene.approach_velocity))  # slide as long in lanes
     missed = np.full(count, np.nan)

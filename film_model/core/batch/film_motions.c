@@ -9,6 +9,33 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* The knots of a way in with the kink of its leg, from those without. */
+static void bend_times(int64_t knots, const double *leg, double *times) {
+    film_bend bend = film_bend_of(leg[2], leg[0], knots);
+    double at = bend.share * leg[0], early = bend.early / leg[0], late = bend.late / leg[0];
+    if (bend.knot < 0) return;
+    for (int64_t k = 0; k < knots; k++) times[k] = early * fmin(times[k], at) + late * fmax(times[k] - at, 0.0);
+    times[bend.knot] = leg[2];
+}
+
+enum { TIMED = 16 }; /* contacts whose times are taken together */
+
+void film_springs_knots(int64_t count, int64_t knots, const double *legs, double *times) {
+    int64_t values = 2 * (knots + 1);
+    for (int64_t first = 0; first < count; first += TIMED, legs += 3 * TIMED, times += values * TIMED) {
+        int64_t own = count - first < TIMED ? count - first : TIMED;
+        for (int64_t k = 0; k <= knots; k++) {
+            double share = film_leg_share((double)k / (double)knots);
+            for (int64_t i = 0; i < own; i++) {
+                double turn = legs[3 * i], end = legs[3 * i + 1];
+                times[i * values + k] = k == knots ? turn : turn * share;
+                times[i * values + 2 * knots + 1 - k] = k == knots ? turn : end - (end - turn) * share;
+            }
+        }
+        for (int64_t i = 0; i < own; i++) bend_times(knots, legs + 3 * i, times + i * values);
+    }
+}
+
 /* When a contact leaves the first stage of its law, at which it yields; 0 if it does not. */
 static double yields_at(const film_line *line, int32_t count) {
     int32_t i = 0;
@@ -23,7 +50,7 @@ static int one_motion(const film_motions *m, const film_curve *curve, const film
     int32_t lines;
     int status = film_record_one(curve, mesh, start, m->lines, m->line_room, &lines, m->events, m->event_room);
     if (status < 0) return status;
-    if (!slope && (legs[2] = yields_at(m->lines, lines)) > 0.0) film_springs_knots(1, samples / 2 - 1, legs, times);
+    if (!slope && (legs[2] = yields_at(m->lines, lines)) > 0.0) bend_times(samples / 2 - 1, legs, times);
     film_routines(m->instructions)->sample(curve, m->lines, lines, times, samples, m->sampled, samples);
     memcpy(depth, m->sampled, (size_t)samples * sizeof *depth);
     memcpy(force, m->sampled + 2 * samples, (size_t)samples * sizeof *force);
@@ -83,26 +110,6 @@ void film_motions_many(const film_motions *m, const film_curves *of, const film_
         }
         power[i] = film_springs_power(alike ? curve : &made);
         for (int64_t k = 0; k < m->samples && status < 0; k++) force[k] = NAN;
-    }
-}
-
-enum { TIMED = 16 }; /* contacts whose times are taken together */
-
-void film_springs_knots(int64_t count, int64_t knots, const double *legs, double *times) {
-    int64_t values = 2 * (knots + 1);
-    film_bend bend[TIMED];
-    for (int64_t first = 0; first < count; first += TIMED, legs += 3 * TIMED, times += values * TIMED) {
-        int64_t own = count - first < TIMED ? count - first : TIMED;
-        for (int64_t i = 0; i < own; i++) bend[i] = film_bend_of(legs[3 * i + 2], legs[3 * i], knots);
-        for (int64_t k = 0; k <= knots; k++) {
-            double share = film_leg_share((double)k / (double)knots);
-            for (int64_t i = 0; i < own; i++) {
-                double turn = legs[3 * i], end = legs[3 * i + 1];
-                double in = bend[i].early * fmin(share, bend[i].share) + bend[i].late * fmax(share - bend[i].share, 0.0);
-                times[i * values + k] = k == bend[i].knot ? legs[3 * i + 2] : k == knots ? turn : in;
-                times[i * values + 2 * knots + 1 - k] = k == knots ? turn : end - (end - turn) * share;
-            }
-        }
     }
 }
 

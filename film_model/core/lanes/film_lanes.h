@@ -14,9 +14,10 @@ static inline double film_leg_share(double x) {
     return square * sqrt(sqrt(17.0 / (1.0 + 16.0 * square * square)));
 }
 
-/* A way in whose force has a kink lasts `early` times its shares up to `share`, where the kink is the knot `knot` of it, and `late` times
- * those beyond; without a kink, or so few knots that cubics do not fit on both sides, knot is -FILM_BEND and share 1. */
-enum { FILM_BEND = 4 };
+/* A way in whose force has a kink lasts `early` times its shares up to `share`, at the knot `knot`, and `late` times those beyond: the kink
+ * lies at an eighth of the knots, and so of the steps of all runs. Without a kink, or for other numbers of knots, knot is -FILM_BEND and
+ * share 1. FILM_BEND: knots of a cubic on one side. */
+enum { FILM_BEND = 4, FILM_BENDS = 8 };
 typedef struct {
     double share, early, late;
     int64_t knot;
@@ -24,10 +25,11 @@ typedef struct {
 
 static inline film_bend film_bend_of(double kink, double turn, int64_t knots) {
     film_bend bend = {1.0, turn, turn, -FILM_BEND};
-    if (!(kink > 0.0 && kink < turn) || knots < 2 * FILM_BEND) return bend;
+    int64_t part = knots / FILM_BENDS, least = (FILM_BEND + part - 1) / (part > 0 ? part : 1);
+    if (!(kink > 0.0 && kink < turn) || part < 2 || knots % FILM_BENDS != 0) return bend;
     double square = (kink / turn) * (kink / turn), fourth = (16.0 * square * square + square * sqrt(256.0 * square * square + 68.0)) / 34.0;
-    double nearest = floor(sqrt(sqrt(fourth)) * (double)knots + 0.5);
-    bend.knot = (int64_t)fmin(fmax(nearest, FILM_BEND), (double)(knots - FILM_BEND));
+    double nearest = floor(sqrt(sqrt(fourth)) * FILM_BENDS + 0.5);
+    bend.knot = part * (int64_t)fmin(fmax(nearest, (double)least), (double)(FILM_BENDS - least));
     bend.share = film_leg_share((double)bend.knot / (double)knots);
     bend.early = kink / bend.share, bend.late = (turn - kink) / (1.0 - bend.share);
     return bend;

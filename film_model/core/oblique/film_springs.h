@@ -103,7 +103,8 @@ typedef struct {
 } film_springs_brief;
 
 /* Times of the knots of `count` impacts, one after another: `knots` + 1 from first touch to the turn, as many from there to the end.
- * legs: times of the turn, the end, and a kink of the force before the turn, a knot of 8 or more, of each; that is 0 without one. */
+ * legs: times of the turn, the end, and a kink of the force before the turn, which is a knot if their number is a multiple of 8 from 16 on, of
+ * each; that is 0 without one. */
 FILM_API void film_springs_knots(int64_t count, int64_t knots, const double *legs, double *times);
 
 /* The impulse of each force at these times, knots: 3 to FILM_MOST_STEPS. */

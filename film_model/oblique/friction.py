@@ -212,7 +212,8 @@ def radius_beyond_yield(problem: Problem, depth: Array, force: Array, tabled: bo
     """The law's own contact radius, m; arrays (times,) of one impact or (times, impacts). tabled: within 1e-5."""
     depth = np.maximum(depth, 0.0)  # below 0 between two contacts
     elastic = is_hertzian(problem.impacts, force, depth)
-    # a force that has left Hertz's meets it again by chance alone
+    # a force that has left Hertz's, as where the first stage of its law ends, meets it again by chance alone
+    elastic &= depth <= problem.curve.stages[0].end * problem.scales.length
     left = np.logical_or.accumulate(~elastic & (depth > 0.0), axis=0)
     return np.asarray(radius_of(problem.impacts, elastic & ~left, depth, tabled))
 

@@ -36,11 +36,16 @@ void film_springs_knots(int64_t count, int64_t knots, const double *legs, double
     }
 }
 
-/* When a contact leaves the first stage of its law, at which it yields; 0 if it does not. */
-static double yields_at(const film_line *line, int32_t count) {
+/* Least change of the slope of a force where a contact yields that cubics across it do not follow, a share. */
+static const double KINK = 0.25;
+
+/* When a contact leaves the first stage of its law, at which it yields, if its slope changes by so much there; else 0. */
+static double yields_at(const film_curve *curve, const film_line *line, int32_t count) {
     int32_t i = 0;
     while (i < count && line[i].branch != 1) i++;
-    return i < count ? line[i].time : 0.0;
+    if (i == 0 || i == count) return 0.0;
+    double before = film_contact_slope(curve, &line[i - 1], line[i].xi), after = film_contact_slope(curve, &line[i], line[i].xi);
+    return fabs(after - before) > KINK * before ? line[i].time : 0.0;
 }
 
 /* Force and depth of one contact over time and, unless it is NULL, the slope of the force; without one the contact may yield. */
@@ -50,7 +55,7 @@ static int one_motion(const film_motions *m, const film_curve *curve, const film
     int32_t lines;
     int status = film_record_one(curve, mesh, start, m->lines, m->line_room, &lines, m->events, m->event_room);
     if (status < 0) return status;
-    if (!slope && (legs[2] = yields_at(m->lines, lines)) > 0.0) bend_times(samples / 2 - 1, legs, times);
+    if (!slope && (legs[2] = yields_at(curve, m->lines, lines)) > 0.0) bend_times(samples / 2 - 1, legs, times);
     film_routines(m->instructions)->sample(curve, m->lines, lines, times, samples, m->sampled, samples);
     memcpy(depth, m->sampled, (size_t)samples * sizeof *depth);
     memcpy(force, m->sampled + 2 * samples, (size_t)samples * sizeof *force);

@@ -202,6 +202,8 @@ static void evaluate_lanes(const film_curve *curve, sampled *restrict s) {
     }
 }
 
+enum { FEW = 8 }; /* part of a block that takes as long */
+
 static void sample_lanes(const film_curve *curve, const film_line *recorded, int32_t line_count, const double *times,
                          int64_t count, double *values, int64_t stride) {
     sampled s;
@@ -213,6 +215,14 @@ static void sample_lanes(const film_curve *curve, const film_line *recorded, int
             double time = times[first + (l < own ? l : own - 1)];
             while (at + 1 < line_count && recorded[at + 1].time <= time) at++;
             put_line(&s, l, &recorded[at], time);
+        }
+        if (own * FEW < LANES) { /* sooner one by one */
+            for (int64_t l = 0; l < own; l++) {
+                double of[5];
+                film_evaluate(curve, s.line[l], s.tau[l], of);
+                for (int k = 0; k < 5; k++) values[k * stride + first + l] = of[k];
+            }
+            continue;
         }
         evaluate_lanes(curve, &s);
         memcpy(values + first, s.xi, size);

@@ -91,8 +91,8 @@ def by_springs(
 
 class _Samples(NamedTuple):
     """Impacts at the knots of their legs, SI. legs: times of turn, end and a kink, (impacts, 3). force, radii:
-    (impacts, times); radii of a law that yields under two models; nan without a record. power: with which the depth of each grows
-    with its radius. missed: relative error of the impulse."""
+    (impacts, times); radii of a law that yields under two models; nan without a record. power: with which the depth of
+    each grows with its radius. missed: relative error of the impulse."""
 
     legs: Array
     force: Array

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -131,6 +132,7 @@ class PageLaw:
             "clearance": curve.clearance,
             "ratio": curve.unloading_ratio,
             "dissipates": not curve.reversible,
+            "first_end": end if math.isfinite(end := curve.stages[0].end) else None,
             "power": None
             if (power := convex_power(curve)) is None
             else [power.slope, power.coefficient, power.exponent],

@@ -116,10 +116,10 @@ function frictionOfSprings(scene, n, problem, given, rebound, own, sample) {
   const normal = Array.from(time, (t, k) => convert(p, t, values, 5 * k));
   const force = Float64Array.from(normal, (row) => Math.max(row.contact_force, 0));
   const depth = Float64Array.from(normal, (row) => row.indentation);
-  let left = false; // Hertz's force, which is met again by chance alone
+  let left = false; // Hertz's force, as where the first stage of the law ends; it is met again by chance alone
   const radiusAt = (/** @type {number} */ F, /** @type {number} */ k) => {
     const found = FORMULAS.contactRadius(p, n, F, depth[k]);
-    left ||= !found.elastic && depth[k] > 0;
+    left ||= depth[k] > (found.elastic ? (law.first_end ?? Infinity) * p.length : 0);
     return (left && found.elastic ? FORMULAS.contactRadius(p, n, Infinity, depth[k]) : found).radius;
   };
   const radii = law.dissipates ? radiiBeyondYield(begins.length, force, depth, force.map(radiusAt), n.effective_modulus)

@@ -291,3 +291,20 @@ def sample(
     found = times.size, values.ctypes.data, branches.ctypes.data
     _library().film_modal_sample(*record, times.ctypes.data, *found)
     return values, branches
+
+
+def felt(frequency: Array, share: Array, *numbers: float) -> tuple[float, bool]:
+    """The part of a structure's compliance that a contact feels, and whether there are slower modes: film_modal.h.
+    numbers: rest, mass, shortest contact time, softness of the contact and `slow`."""
+    columns = [np.ascontiguousarray(column, np.float64) for column in (frequency, share)]
+    free = c.c_int32()
+    at = frequency.size, *(column.ctypes.data for column in columns)
+    found = _library().film_modal_felt(*at, *numbers, c.byref(free))
+    return found, free.value > 0
+
+
+def still(curve: Curve, approach: float) -> native.Summary:
+    """The impact on a target that does not move, as film_modal_still has it."""
+    summary = native.Summary()
+    _library().film_modal_still(c.byref(curve), approach, c.byref(summary))
+    return summary

@@ -92,6 +92,11 @@ def absorbed(problem: Problem) -> float:
     return greater(problem.trial.summary.work / (0.5 * problem.approach**2), 0.0)
 
 
+def deforms(problem: Problem) -> Any:
+    """Whether something has yielded."""
+    return absorbed(problem) > YIELDS
+
+
 def case_of(problem: Problem, vibrates: bool) -> Case:
     """The impact of a problem whose trial march ends. vibrates: its target does, though not in this problem."""
     s, core, scene = problem.scales, problem.trial.summary, problem.scene

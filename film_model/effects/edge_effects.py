@@ -16,6 +16,7 @@ import numpy as np
 
 from film_model.base.arrays import either, endless, root
 from film_model.base.errors import SimulationError
+from film_model.core import modal
 from film_model.effects import stretching
 from film_model.effects.effect import (
     FREE,
@@ -39,9 +40,6 @@ REFLECTIONS, INERTIA = "boundary_reflections", "target_inertia"
 
 SLOW = 0.1
 """ω t_c of a vibration, t_c being the contact time, below which it does not follow the force."""
-
-CLOSE = 1e-3
-"""Relative accuracy of that contact time."""
 
 _RATIO = "vibration/static force"
 _SOURCE = "vibration of a support that a contact loads suddenly, to first order"
@@ -284,15 +282,9 @@ def felt_compliance(impacts: Impacts) -> tuple[float, bool]:
     shortest = core.contact_duration * scales.time
     contact = core.maximum_indentation * scales.length / _force(fixed)
     highest = 2.0 ** math.ceil(math.log2(SLOW / shortest))  # which many impacts share
-    duration, modes = shortest, scene.target.modes(highest)
+    modes = scene.target.modes(highest)
     rest = scene.target.omitted(modes, highest)[0]
-    while True:
-        slow = modes.frequency <= SLOW / duration
-        felt = rest + float(np.sum(modes.share[~slow] / modes.frequency[~slow] ** 2))
-        lasts = shortest * math.sqrt((1.0 + felt / contact) / (1.0 + scene.mass * float(modes.share[slow].sum())))
-        if lasts <= duration or not slow.any():
-            return felt, bool(slow.any())
-        duration = lasts * (1.0 + CLOSE)
+    return modal.felt(modes.frequency, modes.share, rest, scene.mass, shortest, contact, SLOW)
 
 
 def vibration(static: Problem, part: Any) -> Any:

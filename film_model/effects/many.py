@@ -111,7 +111,12 @@ def _edges_may_matter(problem: Problem) -> Mask:
     with np.errstate(divide="ignore", invalid="ignore"):
         pulse = Pulse.of(free.approach, free.gamma, seen)
         off = impacts.scene.target.reflection_change(pulse.motion, pulse.restitution, pulse.back / returns)
-    return (status != native.EVENT) | ~(off < scene.effect_tolerance / SURE)
+    return (status != native.EVENT) | may_matter(off, scene.effect_tolerance)
+
+
+def may_matter(off: Any, tolerance: Any) -> Any:
+    """Whether reflected waves may matter that change the summary by about so much."""
+    return ~(off < tolerance / SURE)
 
 
 def _one_by_one(

@@ -54,7 +54,7 @@ def damped(problem: Problem) -> tuple[Problem, Any]:
     if law == ELASTIC:
         return made, sure or not any_of(problem.approach > 0.0) or matters(made, problem)
     known = problem.trial.status >= 0  # a ball deeper than the law's end is an error, not elastic
-    return made, known & (_rebound(made) < _rebound(problem))
+    return made, known & (rebound(made) < rebound(problem))
 
 
 def change_of(loss_factor: Any) -> Any:
@@ -85,10 +85,10 @@ def _keeps_more(problem: Problem, loss_factor: Any) -> bool:
     if not _is_fixed(problem):
         return False
     kept = loss_restitution(loss_factor) * problem.approach * problem.scales.velocity
-    return not any_of(kept < _rebound(problem))
+    return not any_of(kept < rebound(problem))
 
 
-def _rebound(problem: Problem) -> Any:
+def rebound(problem: Problem) -> Any:
     """Velocity after the trial impact, m/s; infinite if contact does not end: then neither loss is the larger."""
     return either(problem.trial.ends, -problem.trial.summary.final_velocity * problem.scales.velocity, math.inf)
 

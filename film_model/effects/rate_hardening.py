@@ -19,7 +19,7 @@ from film_model.base.errors import SimulationError
 from film_model.base.materials import named
 from film_model.base.rate_law import RateHardening
 from film_model.base.units import format_si
-from film_model.effects.case import ABSENT, YIELDS, Rule, absorbed
+from film_model.effects.case import ABSENT, Rule, deforms
 from film_model.effects.effect import FREE, NOT_MODELLED, NOT_NEEDED, SIMULATED, SWITCHED_OFF, Effect
 from film_model.effects.trial import change
 from film_model.laws import LAWS, AbstractLaw
@@ -75,11 +75,18 @@ def settled(rate_of: Callable[[Any], Any], law: RateHardening, factor: Any = 1.0
         if not any_of(open_):
             return factor
         found = law.factor(rate_of(factor))
-        slope = ratio(found - value, factor - before)
-        step = ratio(found - factor, 1.0 - slope)
+        step, moves = secant(before, value, factor, found)
         before, value, factor = factor, found, either(open_, factor + step, factor)
-        open_ = open_ & (abs(step) * greater(abs(slope), LEAST_SLOPE) > SETTLED * factor)
+        open_ = open_ & moves
     return either(open_, math.nan, factor)
+
+
+def secant(before: Any, value: Any, factor: Any, found: Any) -> tuple[Any, Any]:
+    """The step from a factor to the next, and whether it has not settled. value, found: S/S_y at the rates with the
+    factor before and with this one."""
+    slope = ratio(found - value, factor - before)
+    step = ratio(found - factor, 1.0 - slope)
+    return step, abs(step) * greater(abs(slope), LEAST_SLOPE) > SETTLED * (factor + step)
 
 
 def strengthened(static: Problem, factor: Any) -> Problem:
@@ -123,7 +130,7 @@ def describe(static: Problem, used: Problem | None, yields: bool) -> Effect:
         return RULE.unjudged("the impactor has no velocity")
     if not static.trial.ends:
         return RULE.unjudged("contact did not end")
-    if not yields or absorbed(static) <= YIELDS:
+    if not yields or not deforms(static):
         return RULE.absent("nothing yields")
     if scene.rate_hardening is None:
         return _without_coefficient(static)

@@ -17,19 +17,17 @@ from film_model.base.unit_symbols import SYMBOLS, parse_unit
 from film_model.base.units import DIMENSIONS, PREFIXED, scene_unit, si_unit
 from film_model.core import friction, modal, native, springs
 from film_model.core.solving import MOST_SEGMENTS
-from film_model.effects.case import YIELDS
 from film_model.effects.choose import Choice, choose
 from film_model.effects.effect import percent
-from film_model.effects.many import SURE
-from film_model.effects.rate_hardening import MOST_ROUNDS, SETTLED
-from film_model.explorer import formulas, support
+from film_model.effects.rate_hardening import MOST_ROUNDS
+from film_model.explorer import formulas, friction_formulas, support
 from film_model.explorer.formulas import LEAST_RESTITUTION
 from film_model.explorer.inputs import STRENGTH_ENTRIES, in_place_of, inputs_of, plate_inputs, with_exponents
 from film_model.explorer.laws import laws_of
 from film_model.oblique import friction as oblique
 from film_model.oblique import springs as rows
 from film_model.oblique.result import KINDS as PHASES
-from film_model.oblique.result import MODELLED, OBLIQUE, OPEN, REGIMES
+from film_model.oblique.result import OBLIQUE, OPEN, REGIMES
 from film_model.plot import strobe
 from film_model.plot.style import COLOURS
 from film_model.problem.families import TERMS, mean_matrix, series_matrix
@@ -82,9 +80,9 @@ class Content:
         self._scenes = [self._scene(name, scene) for name, scene in scenes]
         free, fixed = _samples()
         texts = [*formulas.result_functions("Free", free), *formulas.result_functions("Fixed", fixed)]
-        texts += formulas.vibrating_functions(fixed)
-        texts += [*formulas.warning_functions(fixed), *formulas.hardening_functions(fixed)]
-        texts += [formulas.radius_function(fixed), formulas.gravity_function(fixed), *formulas.material_functions()]
+        texts += [*formulas.vibrating_functions(fixed), *friction_formulas.common_functions(fixed)]
+        texts += [formulas.warning_function(fixed), *formulas.hardening_functions(fixed)]
+        texts += [formulas.gravity_function(fixed), *formulas.plain_functions()]
         self._functions |= {text: text for text in texts}
 
     @property
@@ -190,7 +188,7 @@ class Content:
         """The functions of an impact with friction; None if the page has none for these bodies."""
         if "contact.friction" not in paths:
             return None
-        return {name: self._named(text) for name, text in formulas.friction_functions(scene, paths).items()}
+        return {name: self._named(text) for name, text in friction_formulas.friction_functions(scene, paths).items()}
 
     def _plain(self, scene: Scene) -> list[int]:
         """The scene's law without its rule of unloading, which holds for no other choice of the law."""
@@ -313,8 +311,8 @@ def _constants() -> dict[str, Any]:
     return {
         "first_segments": FIRST_SEGMENTS,
         "trial_segments": 4 * TRIAL_SEGMENTS,  # the page marches lines only; the trial in Python takes shorter ways
-        **{"sure": SURE, "settled": SETTLED, "most_rounds": MOST_ROUNDS},
-        **{"yields": YIELDS, "agreement": AGREEMENT, "accuracy": DEFAULT_ACCURACY, "tolerance": DEFAULT_TOLERANCE},
+        "most_rounds": MOST_ROUNDS,
+        **{"agreement": AGREEMENT, "accuracy": DEFAULT_ACCURACY, "tolerance": DEFAULT_TOLERANCE},
         **{"elastic": ELASTIC, "yielding": YIELDING, "damped": DAMPED, "steep": STEEP, "polymer": KINDS.index(POLYMER)},
         "brittle": KINDS.index(BRITTLE),
         "least_restitution": LEAST_RESTITUTION,
@@ -327,8 +325,8 @@ def _constants() -> dict[str, Any]:
 
 def _friction() -> dict[str, Any]:
     """The numbers of :mod:`film_model.oblique` and of the strobe picture."""
-    return support.numbers_of(rows, ("SPRINGS", "STEPS", "EASY", "FEWEST", "SAFETY", "TURN", "SLIDING")) | {
-        **{"closed": oblique.CLOSED, "open": OPEN, "modelled": MODELLED, "regimes": REGIMES, "phases": PHASES},
+    return {
+        **{"springs": rows.SPRINGS, "closed": oblique.CLOSED, "open": OPEN, "regimes": REGIMES, "phases": PHASES},
         "fastest": FrictionTable.PAIR[0].high,
         **support.numbers_of(strobe, ("BALLS", "SPACING")),
     }

@@ -5,9 +5,11 @@
 
 from __future__ import annotations
 
+import inspect
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from types import SimpleNamespace
 from typing import Any, ClassVar, cast
 
@@ -16,20 +18,22 @@ from numpy.polynomial import chebyshev
 
 from film_model.base.arrays import either, logarithm
 from film_model.base.flow_stress import contradicts, flow_of_hardness, yield_of_flow
-from film_model.base.materials import Material, sphere_mass
+from film_model.base.materials import sphere_mass
 from film_model.base.rate_law import RateHardening
 from film_model.core import native
-from film_model.effects import gravity, large_slope, wave_losses
-from film_model.effects.case import Pulse, absorbed
-from film_model.effects.edge_effects import vibration
-from film_model.effects.rate_hardening import factor_at
+from film_model.effects import edge_effects, gravity, large_slope, wave_losses
+from film_model.effects.case import Pulse, deforms
+from film_model.effects.many import may_matter
+from film_model.effects.material_damping import rebound
+from film_model.effects.rate_hardening import factor_at, secant
 from film_model.explorer.inputs import PLATE
 from film_model.explorer.trace import Recording
 from film_model.laws.damping import loss_restitution
 from film_model.laws.example_ball import example_ball
 from film_model.laws.law import AbstractLaw, Stage, law_fields
 from film_model.laws.yielding import yield_velocity
-from film_model.oblique.friction import exact_error, numbers_of, results
+from film_model.oblique import springs
+from film_model.oblique.result import allowed
 from film_model.problem.brittle import factors, failure
 from film_model.problem.curve import Curve
 from film_model.problem.families import EDGES, varying
@@ -39,12 +43,10 @@ from film_model.problem.model_intervals import family_number, yield_velocities
 from film_model.problem.numbers import Numbers, zener
 from film_model.problem.problem import Impacts, Problem, Trial
 from film_model.problem.scales import Scales, motion_of
-from film_model.problem.stresses import contact_radius
 from film_model.problem.summary import gains_energy, gains_from_weight, radiated, summary_of
 from film_model.scene import Effects, Scene
 from film_model.scene.columns import scene_of_columns
-from film_model.scene.rolling import Sliding, sliding_of
-from film_model.solve import mode_formulas
+from film_model.solve import mode_formulas, structures, vibration
 from film_model.targets import AbstractTarget
 
 FROM_SCENE = (
@@ -63,6 +65,31 @@ _SCALES = Scales._fields
 _OF_LAW = ("widening", "elastic_share", "softer_curvature", "strain_hardening_exponent", "yield_strength")
 _PROBLEM = ("gamma", "load", "damping", "approach", "drift", "share", "mass")
 _START = ("approach", "gamma", "load", "stop_velocity", "limit", "damping")
+
+
+def mass_of(radius: Any, density: Any) -> Any:
+    """Of a sphere."""
+    return sphere_mass(None, radius, cast("Any", SimpleNamespace(density=density)))
+
+
+PLAIN: dict[str, tuple[Callable[..., Any], str]] = {
+    "sphereMass": (mass_of, "mass"),
+    "firstYield": (lambda h, exponent, modulus: yield_of_flow(flow_of_hardness(h), exponent, modulus), "strength"),
+    "strengths": (contradicts, "contradict"),
+    "failure": (lambda pressing, cracking, force, radius: failure((pressing, cracking), force, radius), "indicator"),
+    "error": (partial(mode_formulas.error_of, False), "bound"),
+    "errorDamped": (partial(mode_formulas.error_of, True), "bound"),
+    "negligible": (vibration.negligible, "small"),
+    "tightened": (vibration.tightened, "tolerance"),
+    "modeOf": (structures.mode_of, "frequency share ratio"),
+    "onGrid": (structures.rounded, "to"),
+    "falling": (mode_formulas.falling, "later"),
+    "secant": (secant, "step moves"),
+    "stepsOf": (springs.steps_of, "steps"),
+    "ended": (springs.ended, "velocity"),
+    "allowed": (allowed, "error"),
+}
+"""Functions of numbers alone, by their names on the page, and the names of what they return."""
 
 
 @dataclass(frozen=True)
@@ -92,7 +119,7 @@ class Scaled(AbstractLaw):
 def numbers_function(template: Scene, paths: Sequence[str]) -> str:
     """The numbers of a scene from its entries `x`, by path. `template` has the entries that are fixed."""
     recording = Recording()
-    scene = _changed(template, recording.symbols("x", paths))
+    scene = changed_scene(template, recording.symbols("x", paths))
     numbers = Numbers.of(replace_effects(scene, Effects()), None)
     outputs: dict[str, Any] = {**numbers._asdict(), "weight": numbers.weight}
     outputs |= {"impactor_mass": scene.mass, "target_mass": scene.target.own_mass, "speed": scene.impactor.speed}
@@ -117,23 +144,18 @@ def numbers_function(template: Scene, paths: Sequence[str]) -> str:
     return recording.function("numbers", "x", known)
 
 
-def _changed(template: Scene, x: Mapping[str, Any]) -> Scene:
-    """The scene with entries by path. A hardness is that of the yield strength: see `material_functions`."""
+def changed_scene(template: Scene, x: Mapping[str, Any]) -> Scene:
+    """The scene with entries by path. A hardness is that of the yield strength: see `PLAIN`."""
     return scene_of_columns(template, {path: value for path, value in x.items() if not path.endswith(".hardness")})
 
 
-def material_functions() -> list[str]:
-    """The mass of a sphere from its radius and density; the strength at first yield from a hardness; whether that
-    contradicts a yield strength."""
-    r, material = Recording(), Material("", "1 Pa", 0.0, "1 kg/m^3")
-    object.__setattr__(material, "density", r.symbol("density"))
-    mass = sphere_mass(None, cast("Any", r.symbol("radius")), material)
-    given = [r.symbol(name) for name in ("hardness", "exponent", "modulus")]
-    strength = yield_of_flow(flow_of_hardness(given[0]), *given[1:])
-    first = r.function("firstYield", "hardness, exponent, modulus", {"strength": strength})
-    wrong = contradicts(given[0], r.symbol("strength"))
-    whole = r.function("sphereMass", "radius, density", {"mass": mass})
-    return [whole, first, r.function("strengths", "hardness, strength", {"contradict": wrong})]
+def plain_functions() -> Iterator[str]:
+    """Those of `PLAIN`."""
+    for name, (function, outputs) in PLAIN.items():
+        r, inputs = Recording(), tuple(inspect.signature(function).parameters)
+        found = function(*map(r.symbol, inputs))
+        values = found if isinstance(found, tuple) else (found,)
+        yield r.function(name, ", ".join(inputs), dict(zip(outputs.split(), values, strict=True)))
 
 
 def replace_effects(scene: Scene, effects: Effects) -> Scene:
@@ -232,7 +254,7 @@ def _damping_over(law: AbstractLaw, restitution: Any) -> Any:
     return either(restitution < 1.0, factor, 0.0)
 
 
-def _problem(
+def problem_in(
     recording: Recording, owner: str, template: Scene, damped: bool = False, vibrates: bool = False
 ) -> Problem:
     """A problem whose numbers are those of the object `owner`. damped: under a damped law. vibrates: on modes."""
@@ -262,7 +284,7 @@ class _Core:
 
 def _tried(recording: Recording, owner: str, core: str, template: Scene) -> Problem:
     """A problem with the result of its trial, which the object `core` has, with a `status`."""
-    problem = _problem(recording, owner, template)
+    problem = problem_in(recording, owner, template)
     problem.__dict__["trial"] = Trial(recording.symbol(f"{core}.status"), _Core(recording, core))
     return problem
 
@@ -271,51 +293,48 @@ def result_functions(suffix: str, template: Scene) -> list[str]:
     """Summary and motion in SI, for a free target or for the others."""
     r, functions = Recording(), list[str]()
     for damped in (False, True):
-        outputs = summary_of(_problem(r, "p", template, damped), r.symbol("a.status"), _Core(r, "a"))
+        outputs = summary_of(problem_in(r, "p", template, damped), r.symbol("a.status"), _Core(r, "a"))
         functions.append(r.function(f"summary{suffix}{'Damped' * damped}", "p, a, n", outputs))
-    p, values = _problem(r, "p", template), [r.symbol(f"v[i + {k}]") for k in range(5)]
+    p, values = problem_in(r, "p", template), [r.symbol(f"v[i + {k}]") for k in range(5)]
     motion = motion_of(p.scales, p.drift, p.share, p.free, r.symbol("t"), values)
     return [*functions, r.function(f"motion{suffix}", "p, t, v, i", motion)]
 
 
-def warning_functions(template: Scene) -> list[str]:
-    """Whether an impact of the summary `s` gains energy, from its law and its weight; and when a brittle body fails."""
+def warning_function(template: Scene) -> str:
+    """Whether an impact of the summary `s` gains energy, from its law and its weight."""
     r = Recording()
-    p, summary = _problem(r, "p", template), r.symbols("s", ("coefficient_of_restitution", "energy_absorbed"))
+    p, summary = problem_in(r, "p", template), r.symbols("s", ("coefficient_of_restitution", "energy_absorbed"))
     gains = {"law": gains_energy(p, summary["energy_absorbed"]), "weight": gains_from_weight(p, summary)}
-    pressing, cracking, force, radius = map(r.symbol, ("pressing", "cracking", "force", "radius"))
-    indicator = failure((pressing, cracking), force, radius)
-    failing = r.function("failure", "pressing, cracking, force, radius", {"indicator": indicator})
-    return [r.function("gains", "p, s", gains), failing]
+    return r.function("gains", "p, s", gains)
 
 
 def vibrating_functions(template: Scene) -> list[str]:
     """Of an impact on a target that vibrates: the summary, with damping of the law and without, the energy given to it,
     and the formulas of :mod:`film_model.solve.mode_formulas`."""
     r, functions = Recording(), list[str]()
-    before, changed, shares, highest = map(r.symbol, ("before", "change", "shares", "highest"))
     for damped, word in ((False, ""), (True, "Damped")):
-        problem, core = _problem(r, "p", template, damped, vibrates=True), _Core(r, "a")
+        problem, core = problem_in(r, "p", template, damped, vibrates=True), _Core(r, "a")
         outputs = summary_of(problem, r.symbol("a.status"), core)
         functions.append(r.function(f"summaryVibrating{word}", "p, a, n", outputs))
-        outputs = {"bound": mode_formulas.error_of(damped, before, changed)}
-        functions.append(r.function(f"error{word}", "before, change", outputs))
-    problem, core = _problem(r, "p", template), _Core(r, "a")
-    rate = mode_formulas.swiftness(problem, core, shares, highest)
+    problem, core = problem_in(r, "p", template), _Core(r, "a")
+    rate = mode_formulas.swiftness(problem, core, r.symbol("shares"), r.symbol("highest"))
     limit, least = mode_formulas.following(problem, core, r.symbol("compliance"), r.symbol("lowest"))
     share, soft = mode_formulas.step_share(problem, core, rate), mode_formulas.softness(problem, core)
-    functions.append(r.function("swiftness", "p, a, shares, highest", {"rate": rate, "share": share, "soft": soft}))
+    functions.append(r.function("swiftness", "p, a, shares, highest", {"rate": rate, "share": share}))
+    functions.append(r.function("softness", "p, a", {"soft": soft}))
     functions.append(r.function("following", "p, a, compliance, lowest", {"limit": limit, "least": least}))
-    falls = r.function("falling", "change, before, highest", {"later": mode_formulas.falling(changed, before, highest)})
-    return [*functions, falls, r.function("radiated", "p, a", {"energy": radiated(problem, core)})]
+    return [*functions, r.function("radiated", "p, a", {"energy": radiated(problem, core)})]
 
 
 def hardening_functions(template: Scene) -> list[str]:
-    """Of the impact `p`, `a`: the strength at its strain rate over that of slow loading, and its absorbed energy."""
+    """Of the impact `p`, `a`: the strength at its strain rate over that of slow loading, whether something yields, and
+    the velocity after it."""
     r = Recording()
     tried = _tried(r, "p", "a", template)
     factor = r.function("strengthFactor", "p, a, n", {"factor": factor_at(tried, *tried.trial)})
-    return [factor, r.function("absorbed", "p, a", {"share": absorbed(tried)})]
+    after = r.function("rebound", "p, a", {"velocity": rebound(tried)})
+    yields = r.function("deforms", "p, a", {"yields": deforms(tried)})
+    return [factor, yields, after]
 
 
 def gravity_function(template: Scene) -> str:
@@ -337,13 +356,14 @@ def plate_functions(template: Scene, paths: Sequence[str]) -> dict[str, str]:
     d11, d12, d22, d66 = target.stiffness
     outputs = {"mass": target.surface_density, "d11": d11, "d12": d12, "d22": d22, "d66": d66}
     outputs |= dict(zip(("thickness", "softness", "bulge"), target.shear, strict=True))
+    outputs["rate"] = 1.0 / target.longest_time
     outputs |= {"part": target.first_mode_share * target.whole_mass}
     found = {"numbers": r.function("numbers", "x", outputs)}
     found["reflections"] = reflections_function(template, paths)
     r = Recording()
     static = _tried(r, "p", "a", template)
     object.__setattr__(static, "given", (math.inf, 0.0, r.symbol("compliance")))
-    outputs = {"ratio": vibration(static, r.symbol("part"))}
+    outputs = {"ratio": edge_effects.vibration(static, r.symbol("part"))}
     return found | {"inertia": r.function("inertia", "p, a, n, compliance, part", outputs)}
 
 
@@ -354,47 +374,16 @@ def _target(recording: Recording, template: Scene, paths: Sequence[str]) -> Abst
         x = recording.symbols("x", PLATE)
         columns |= {"target.size": tuple(x[path] for path in PLATE[:2])}
         columns |= {"target.position": tuple(x[path] for path in PLATE[2:])}
-    return _changed(template, columns).target
+    return changed_scene(template, columns).target
 
 
 def reflections_function(template: Scene, paths: Sequence[str]) -> str:
     """The change by waves reflected from the edges of a plate: `p`, `a` on the infinite plate."""
     r = Recording()
     target = _target(r, template, paths)
-    p, core = _problem(r, "p", template), _Core(r, "a")
+    p, core = problem_in(r, "p", template), _Core(r, "a")
     pulse = Pulse.of(p.approach, p.gamma, core)
     delay = pulse.back / (target.return_time / p.scales.time)
     size = cast("Any", target).reflection_change(pulse.motion, pulse.restitution, delay)
-    return r.function("reflections", "x, p, a", {"change": size})
-
-
-def friction_functions(template: Scene, paths: Sequence[str]) -> dict[str, str]:
-    """Of an impact with friction, from its entries `x`, by what they compute.
-
-    sliding: what friction depends on besides the normal motion `p`. oblique: the results, from the normal rebound, the
-    sliding velocity after, the largest friction force and its time.
-    """
-    r, scene, given = _slides(template, paths)
-    problem = _problem(r, "p", template)
-    rate, before = numbers_of(given, problem, scene)
-    names = ("friction", "ratio", "modulus", "mass", "velocity", "along")
-    outputs = {name: getattr(given, name) for name in names} | {"spin": scene.impactor.spin, "rate": rate}
-    outputs |= {"before": before, "error": exact_error(problem, before)}
-    found = {"sliding": r.function("sliding", "x, p", outputs)}
-    r, scene, given = _slides(template, paths)
-    rebound, after, *peak = (r.symbol(name) for name in ("rebound", "after", "force", "time"))
-    outputs = results(scene, given, rebound, after, (peak[0], peak[1]))
-    return found | {"oblique": r.function("oblique", "x, rebound, after, force, time", outputs)}
-
-
-def _slides(template: Scene, paths: Sequence[str]) -> tuple[Recording, Scene, Sliding]:
-    r = Recording()
-    scene = _changed(template, r.symbols("x", paths))
-    return r, scene, cast("Sliding", sliding_of(scene))
-
-
-def radius_function(template: Scene) -> str:
-    """The contact radius in loading, at a force `F` and an indentation `d`, and whether the force is Hertz's."""
-    r = Recording()
-    radius, elastic = contact_radius(_problem(r, "p", template).impacts, r.symbol("F"), r.symbol("d"))
-    return r.function("contactRadius", "p, n, F, d", {"radius": radius, "elastic": elastic})
+    outputs = {"change": size, "matter": may_matter(size, r.symbol("tolerance"))}
+    return r.function("reflections", "x, p, a, tolerance", outputs)

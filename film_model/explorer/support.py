@@ -14,7 +14,7 @@ from typing import Any
 from film_model.base.errors import TooManyModes
 from film_model.core import modal
 from film_model.effects.choose import Choice
-from film_model.effects.edge_effects import CLOSE, SLOW
+from film_model.effects.edge_effects import SLOW
 from film_model.explorer.inputs import STRENGTH_ENTRIES, Input, damping_input
 from film_model.scene import DEFAULT_ACCURACY, Scene
 from film_model.solve import structures, vibration
@@ -126,15 +126,11 @@ def constants() -> dict[str, Any]:
         "MEMBRANE_FACTOR",
         "FOLLOWED",
         "HIGHEST",
-        "NEGLIGIBLE",
         "REFINED",
         "STEP",
-        "TIGHTEST",
         "UNRESOLVED",
     )
     return numbers_of(vibration, names) | {
-        "above": structures.ABOVE,
-        "ratio": structures.RATIO,
         "equal": EQUAL,
         "unseen": UNSEEN,
         "most_computed": 10_000,  # bound on the number of modes that the page computes itself: 56 MB for their tables
@@ -142,7 +138,6 @@ def constants() -> dict[str, Any]:
         "modes_of_a_step": modal.MODES_OF_A_STEP,
         "most_work": LIVE_WORK,
         "slow": SLOW,
-        "close": CLOSE,
     }
 
 

@@ -21,7 +21,7 @@ _BINARY: dict[Any, str] = {
     **{np.equal: "{} === {}", np.not_equal: "{} !== {}"},
     **{np.bitwise_and: "{} && {}", np.logical_and: "{} && {}", np.bitwise_or: "{} || {}", np.logical_or: "{} || {}"},
     **{np.minimum: "{1} < {0} ? {1} : {0}", np.maximum: "{1} > {0} ? {1} : {0}", np.power: "Math.pow({}, {})"},
-    np.arctan2: "Math.atan2({}, {})",
+    **{np.arctan2: "Math.atan2({}, {})", np.floor_divide: "Math.floor({} / {})"},
 }
 _UNARY: dict[Any, str] = {
     **{np.negative: "-{}", np.positive: "{}", np.absolute: "Math.abs({})", np.sqrt: "Math.sqrt({})"},
@@ -58,6 +58,9 @@ class Symbol(np.ndarray):
 
     def __rpow__(self, other: Any, modulo: None = None) -> Any:
         return self.recording.add("Math.pow({}, {})", (other, self))
+
+    def __ceil__(self) -> Any:
+        return self.recording.add("Math.ceil({})", (self,))
 
     def any(self, *args: Any, **kwargs: Any) -> Any:
         return True

@@ -22,7 +22,7 @@ from film_model.core import native
 from film_model.core import springs as springs_core
 from film_model.laws.law import Power
 from film_model.oblique import springs
-from film_model.oblique.result import KINDS, MOTION, REGIMES, Oblique, error_of_force
+from film_model.oblique.result import KINDS, MOTION, REGIMES, Oblique
 from film_model.problem.curve import Curve
 from film_model.problem.problem import Problem
 from film_model.problem.stresses import is_hertzian, radius_of
@@ -162,15 +162,14 @@ def _by_springs(
     motion = dict(zip(MOTION, (times, first.velocity, first.force, moved, first.stuck), strict=True))
     regime = REGIMES[first.regime]
     impulse = float(normal_impulse(scene, problem, rebound, times[-1]))
-    ends = [float(slid(given, impulse)) if run.slack <= springs.SLIDING else run.after for run in runs]
+    ends = [springs.ended(run.slack, float(slid(given, impulse)), run.after) for run in runs]
     events = tuple((time, KINDS[kind]) for time, kind in first.phases)
     missed = abs(float(trapezoid(force, times)) / impulse - 1.0)
-    before, of_force = abs(float(given.velocity)), error_of_force(max(estimated, missed))
     most = int(np.argmax(np.abs(first.force)))
     summary = results(scene, given, rebound, ends[0], (abs(float(first.force[most])), float(times[most])))
-    errors = [run.estimated for run in runs]
-    bounds = springs.bracket(ends, errors, steps, before, of_force) if len(runs) > 1 else (None, None)
-    return Oblique(summary, regime, events, motion, (errors[0] + of_force * before) / before, *bounds)
+    errors, before = [run.estimated for run in runs], abs(float(given.velocity))
+    error, bounds = springs.judged(ends, errors, steps, before, max(estimated, missed))
+    return Oblique(summary, regime, events, motion, error, *bounds)
 
 
 def slid(given: Sliding, impulse: Number) -> Number:

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from film_model.base import units
-from film_model.base.arrays import Array, Number
+from film_model.base.arrays import Array, Number, either, greater
 from film_model.base.units import format_si
 
 OBLIQUE: dict[str, tuple[str, str]] = {
@@ -65,11 +65,9 @@ def error_of_force(estimated: Number) -> Number:
     return 2.0 * estimated
 
 
-def allowed(accuracy: float | None, yields: bool) -> float:
+def allowed(accuracy: Any, yields: Any) -> Any:
     """Error of the sliding velocity over that before up to which none is named, where an accuracy is asked for."""
-    if accuracy is None:
-        return OPEN
-    return max(error_of_force(accuracy), MODELLED if yields else 0.0)
+    return greater(error_of_force(accuracy), either(yields, MODELLED, 0.0))
 
 
 @dataclass(frozen=True)
@@ -121,7 +119,7 @@ class Oblique:
     def warnings(self, accuracy: float | None = None) -> tuple[str, ...]:
         """How far two models of a contact that yields differ, and an error beyond the accuracy that was asked for."""
         before, said = abs(self.motion["sliding_velocity"][0]), list[str]()
-        if self.estimated > allowed(accuracy, self.low is not None):
+        if self.estimated > (OPEN if accuracy is None else allowed(accuracy, self.low is not None)):
             said.append(f"friction: the sliding velocity is known to {100 * self.estimated:.2g} % of that before only")
         if self.low is not None and self.high is not None and self.high - self.low > OPEN * before:
             low, high = (format_si(end, "velocity", 3) for end in (self.low, self.high))

@@ -10,9 +10,10 @@ from collections.abc import Sequence
 from operator import add, sub
 from typing import Any, NamedTuple
 
-from film_model.base.arrays import Array, Number, greater, lesser
+from film_model.base.arrays import Array, Number, either, greater, lesser
 from film_model.base.errors import SimulationError
 from film_model.core import springs as core
+from film_model.oblique.result import error_of_force
 from film_model.scene.rolling import Sliding
 
 SPRINGS = 256
@@ -35,14 +36,23 @@ SLIDING = 1e-6
 """Share of the impulse of friction that may lack to its limit where the closed form of sliding throughout holds."""
 
 
-def bracket(
-    ends: Sequence[Number] | Array, errors: Sequence[Number] | Array, steps: Number, before: Number, of_force: Number
-) -> Any:
-    """Bounds of the sliding velocity after an impact under two models of a contact that yields, less and plus their
-    errors. ends, errors: of runs in so many steps, m/s. before: of sliding, m/s. of_force: that share of it."""
-    beside = of_force * before
-    off = errors[0] + beside, greater(errors[1], TURN * before / steps) + beside
-    return lesser(*map(sub, ends, off)), greater(*map(add, ends, off))
+def judged(
+    ends: Sequence[Number] | Array, errors: Sequence[Number] | Array, steps: Number, before: Number, normal: Number
+) -> tuple[Number, Any]:
+    """Error of the sliding velocity over that before, and its bounds after an impact under two models of a contact that
+    yields, less and plus their errors; None of one model. ends, errors: of the runs of the models in so many steps,
+    m/s. before: of sliding, m/s. normal: relative error of the normal force."""
+    of_force = error_of_force(normal)
+    error = errors[0] / before + of_force
+    if len(errors) == 1:
+        return error, (None, None)
+    off = error * before, greater(errors[1], TURN * before / steps) + of_force * before
+    return error, (lesser(*map(sub, ends, off)), greater(*map(add, ends, off)))
+
+
+def ended(slack: Number, slides: Number, after: Number) -> Number:
+    """The sliding velocity after a run, m/s: of a contact that slides throughout, where the run does."""
+    return either(slack <= SLIDING, slides, after)
 
 
 class Run(NamedTuple):
@@ -60,9 +70,9 @@ class Run(NamedTuple):
     phases: list[tuple[float, int]]
 
 
-def steps_of(contacts: int) -> int:
+def steps_of(contacts: Any) -> Any:
     """Steps of each of so many contacts."""
-    return max(STEPS * EASY // max(contacts, EASY) // 4 * 4, FEWEST)
+    return greater(STEPS * EASY // greater(contacts, EASY) // 4 * 4, FEWEST)
 
 
 def tangential(given: Sliding, power: float, times: Array, force: Array, radius: Array) -> Run:

@@ -132,7 +132,7 @@ def difference(problem: Problem, a: Any, b: Any) -> Any:
 def differences(problem: Problem, a: native.Summary, b: native.Summary) -> dict[str, float]:
     """The same value by value, of one impact, by the names of `COMPARED`."""
     found = dict(zip(COMPARED, solving.differences(problem.start, a, b, problem.vibrates), strict=True))
-    if problem.damping > 0.0 or problem.curve.reversible:  # a permanent indentation is reported as 0
+    if problem.curve.reversible:  # a permanent indentation is reported as 0
         del found["permanent_indentation"]
     return found
 

@@ -16,7 +16,7 @@ from film_model.core.friction import COARSE, ERRORS, EXACT, QUICK
 from film_model.core.solving import MOST_SEGMENTS
 from film_model.oblique import springs
 from film_model.oblique.friction import normal_impulse, radius_beyond_yield, results, slid
-from film_model.oblique.result import BOUNDS, MODELLED, error_of_force
+from film_model.oblique.result import BOUNDS, MODELLED
 from film_model.problem.problem import Problem
 from film_model.scene import DEFAULT_ACCURACY, Solver
 from film_model.scene.rolling import sliding_of
@@ -217,11 +217,11 @@ def _followed(
     error *= springs.SAFETY
     rows = np.flatnonzero((slack <= springs.SLIDING).any(axis=0))
     sliding = given._replace(friction=friction[rows], mass=mass[rows], velocity=velocity[rows])
-    after[:, rows] = np.where(slack[:, rows] <= springs.SLIDING, slid(sliding, motions.impulse[rows]), after[:, rows])
+    after[:, rows] = springs.ended(slack[:, rows], slid(sliding, motions.impulse[rows]), after[:, rows])
     found = results(scene, given, normal.rebound, after[0], (peak, when))
-    before, of_force = abs(velocity), error_of_force(np.maximum(normal.estimated, missed))
-    if models > 1:
-        found |= zip(BOUNDS, springs.bracket(after, error, levels[0][1], before, of_force), strict=True)
-    summary = {name: column(value, count) for name, value in found.items()}
+    normal_error = np.maximum(normal.estimated, missed)
     with np.errstate(divide="ignore", invalid="ignore"):
-        return after[0] == after[0], summary, regime, error[0] / before + of_force
+        share, bounds = springs.judged(after, error, levels[0][1], abs(velocity), normal_error)
+    found |= zip(BOUNDS, bounds, strict=True) if models > 1 else {}
+    summary = {name: column(value, count) for name, value in found.items()}
+    return after[0] == after[0], summary, regime, share

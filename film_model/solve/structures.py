@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from film_model.base.arrays import Array
+from film_model.base.arrays import Array, logarithm
 from film_model.base.errors import SimulationError, TooManyModes
 from film_model.core import modal
 from film_model.problem.curve import can_be_in_series
@@ -149,14 +149,15 @@ def forget() -> None:
 def _with_omitted(
     modes: Modes, omitted: float, highest: float, longest: float, forms: Array | None = None
 ) -> modal.Tables:
+    columns = zip((modes.frequency, modes.share, modes.damping_ratio), mode_of(omitted, highest), strict=True)
+    frequency, share, ratio = (np.append(*pair) for pair in columns)
+    return modal.Tables(frequency, share, ratio, longest, forms)
+
+
+def mode_of(omitted: Any, highest: Any) -> tuple[Any, Any, float]:
+    """Frequency, share and damping ratio of the mode that stands for the compliance of those above the highest."""
     frequency = ABOVE * highest
-    return modal.Tables(
-        np.append(modes.frequency, frequency),
-        np.append(modes.share, omitted * frequency**2),
-        np.append(modes.damping_ratio, RATIO),
-        longest,
-        forms,
-    )
+    return frequency, omitted * frequency**2, RATIO
 
 
 def computable(target: AbstractTarget, highest: float, unit: float, least: float = 0.0) -> float:
@@ -243,7 +244,7 @@ def steps_of(target: AbstractTarget) -> float:
     return 1.0 if target.longest_time else 4.0
 
 
-def rounded(value: float, unit: float = 1.0, steps: float = 4.0) -> float:
+def rounded(value: Any, unit: Any = 1.0, steps: Any = 4.0) -> Any:
     """`unit` times the power of 2^(1/steps) that is not below `value`, so that similar impacts on a target share its
     tables; of such a power with rounding errors, itself."""
-    return unit * 2.0 ** (math.ceil(steps * math.log2(value / unit) - 1e-9) / steps)
+    return unit * 2.0 ** (math.ceil(steps * (logarithm(value / unit) / math.log(2.0)) - 1e-9) / steps)

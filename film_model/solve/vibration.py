@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from film_model.base.arrays import greater
 from film_model.base.errors import CoreError, Outcome, TooManyModes
 from film_model.core import modal, native
 from film_model.problem.curve import curve_of
@@ -126,8 +127,7 @@ def vibrate(
     without a run, as long as contact follows modes near it quickly. If more modes are needed than are allowed, or all
     runs together would take more work, the result is that of the last run, and a warning gives the accuracy reached.
     """
-    unit, still, lowest = problem.scales.time, _on_a_fixed_target(problem), structures.lowest_frequency(target)
-    limit, least = following(problem, still, target.compliance or 0.0, lowest)
+    unit, (limit, least) = problem.scales.time, _following(problem, target)
     first = structures.on_grid(target, least)
     tried, carried = [first], structures.CARRIED if problem.stretches else 0
 
@@ -185,7 +185,7 @@ def _target_errors(
     """Relative changes of the summary by the error of the omitted compliance: from a run with fewer modes than the last
     and one with more compliance. None if it is too small to matter."""
     core, error = found.summary, structure.error
-    if error <= NEGLIGIBLE * accuracy * (softness(problem, core) + structure.omitted):
+    if negligible(error, softness(problem, core) + structure.omitted, accuracy):
         return {}
     other = run(problem, structures.softer(structure, error), found.start.tolerance, found.start.limit, recorded=False)
     return differences(problem, core, other.summary)
@@ -202,7 +202,7 @@ def _refined(
 ) -> tuple[Vibration, Vibration, float]:
     """`vibrate` with the highest frequency between two values: the last two runs, and the estimate. limit: as of `run`.
     recorded: whether a run that is or may be the last is recorded at once."""
-    (highest, most), tolerance, damped = between, step_tolerance(accuracy), problem.law.damped
+    (highest, most), tolerance, damped = between, tightened(accuracy, STEP), problem.law.damped
     estimates = [math.inf]
 
     def follow(upto: float, tolerance: float, expected: int = 0) -> Vibration:
@@ -211,7 +211,7 @@ def _refined(
     modes(2.0 * highest)  # TooManyModes before a run
     runs = [follow(highest, REFINED * tolerance)]
     swift = _swiftness(problem, runs[0], modes(highest))
-    tolerance = max(tolerance * step_share(problem, runs[0].summary, swift), TIGHTEST)
+    tolerance = tightened(tolerance, step_share(problem, runs[0].summary, swift))
     while math.isinf(most) and _swiftness(problem, runs[0], modes(2.0 * highest)) > FOLLOWED * 2.0 * highest:
         highest *= 2.0
     while True:
@@ -238,7 +238,7 @@ def _refined(
                 return runs[-2], runs[-1], estimates[-1]
             if last or (damped and _out_of_reach(estimates, accuracy, most / highest)):
                 return runs[-2], runs[-1], _unreached(runs[-1], errors, accuracy, warnings)
-        tolerance = max(tolerance / REFINED, TIGHTEST)
+        tolerance = tightened(tolerance, 1.0 / REFINED)
 
 
 def _out_of_reach(estimates: list[float], accuracy: float, higher: float) -> bool:
@@ -271,15 +271,24 @@ def _swiftness(problem: Problem, found: Vibration, structure: structures.Structu
     return swiftness(problem, found.summary, float(structure.tables.share.sum()), structure.highest)
 
 
-def step_tolerance(accuracy: float) -> float:
-    """Tolerance of a step for a requested accuracy."""
-    return max(accuracy * STEP, TIGHTEST)
+def tightened(tolerance: Any, share: Any) -> Any:
+    """A share of a tolerance, as far as a step can meet it."""
+    return greater(tolerance * share, TIGHTEST)
+
+
+def negligible(error: Any, compliance: Any, accuracy: Any) -> Any:
+    """Whether an error of the omitted compliance does not matter beside that and the contact's, all in m/N."""
+    return error <= NEGLIGIBLE * accuracy * compliance
 
 
 def time_limit(problem: Problem, target: AbstractTarget) -> float:
     """Time at which a contact is no longer followed, s."""
-    lowest = structures.lowest_frequency(target)
-    return following(problem, _on_a_fixed_target(problem), target.compliance or 0.0, lowest)[0]
+    return _following(problem, target)[0]
+
+
+def _following(problem: Problem, target: AbstractTarget) -> tuple[float, float]:
+    still = modal.still(curve_of(problem.law).native, problem.approach)
+    return following(problem, still, target.compliance or 0.0, structures.lowest_frequency(target))
 
 
 def run(
@@ -339,12 +348,3 @@ def _too_many_steps(problem: Problem, tables: modal.Tables) -> str:
         f"the impactor {problem.mass:.3g} kg: check modal_mass or the shape of a structure; take "
         "static_stiffness for a plate or beam"
     )
-
-
-def _on_a_fixed_target(problem: Problem) -> native.Summary:
-    """The impact on a fixed target; where the law ends before the maximum indentation, the march's unit of time."""
-    start = native.Start(max(problem.approach, 1e-3), 0.0, 0.0, 0.0, math.inf)
-    status, summary = native.impact(curve_of(problem.law).native, native.mesh(native.WORK_PRESERVING, 6, 6), start)
-    if status != native.EVENT:
-        summary.time_of_maximum_indentation, summary.contact_duration = 1.0, 3.0
-    return summary

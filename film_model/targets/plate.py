@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from functools import cached_property, reduce
 from typing import Any, ClassVar, Literal, cast
 
-from film_model.base.arrays import lesser, root
+from film_model.base.arrays import greater, lesser, root
 from film_model.base.errors import raise_all
 from film_model.base.fields import choice, entry, measure, mistake, part, several
 from film_model.base.materials import MATERIAL, Material, MaterialLike
@@ -242,8 +242,8 @@ class Plate(AbstractTarget):
         """First period L² √(ρ_A/D)/π of a square plate with the shorter side and the larger stiffness, s; or None."""
         if self.size is None:
             return None
-        rate = math.sqrt(max(self.stiffness[::2]) / self.surface_density)
-        return 1.0 / (rate / min(self.size) ** 2 * math.pi)
+        rate = root(greater(*self.stiffness[::2]) / self.surface_density)
+        return 1.0 / (rate / lesser(*self.size) ** 2.0 * math.pi)
 
     @property
     def compliance(self) -> float | None:

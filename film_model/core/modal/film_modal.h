@@ -189,6 +189,16 @@ FILM_API int film_modal_go_on(film_structure *structure, const film_curve *curve
 FILM_API void film_modal_batch(film_structure *structure, const film_curve *curve, int64_t count, const film_modal_start *start,
                                double *waves, film_modal_summary *summary, int32_t *status);
 
+/* The impact under the law alone, without damping, on a target that does not move; where the law ends before the maximum indentation, with
+ * times of the march's unit. */
+FILM_API void film_modal_still(const film_curve *curve, double nu, film_summary *summary);
+
+/* The part of a structure's static compliance that a contact feels: of modes with omega t_c above `slow`, and `rest`. Slower ones, `free`
+ * of them, move as free masses. t_c: contact time, `shortest` on a fixed target, which the compliance felt lengthens and these masses
+ * shorten. mass: of the impactor; softness: of the contact. */
+FILM_API double film_modal_felt(int32_t modes, const double *frequency, const double *share, double rest, double mass, double shortest,
+                                double softness, double slow, int32_t *free);
+
 /* Samples at count times, ascending, as film_sample. flights: as recorded. */
 FILM_API void film_modal_sample(const film_structure *structure, const film_curve *curve, const film_modal_segment *segments,
                                 int32_t segment_count, const double *flights, const double *times, int64_t count,

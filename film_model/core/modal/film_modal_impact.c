@@ -4,6 +4,8 @@
 
 #include <string.h>
 
+#define SLOWEST 1e-3 /* velocity of an impact without one, over delta_s/t_s */
+#define CLOSE 1e-3   /* relative accuracy of the contact time of film_modal_felt */
 
 static double now_of(const film_modal *s) { return s->time + s->tau; }
 
@@ -129,4 +131,36 @@ void film_modal_batch(film_structure *structure, const film_curve *curve, int64_
     film_modal s;
     for (int64_t i = 0; i < count; i++)
         status[i] = film_modal_impact(structure, curve, &start[i], &s, waves, &summary[i], NULL);
+}
+
+double film_modal_felt(int32_t modes, const double *frequency, const double *share, double rest, double mass, double shortest,
+                       double softness, double slow, int32_t *free) {
+    double felt = rest, duration = shortest;
+    for (int32_t round = 0; round <= 2 * modes; round++) { /* each longer time leaves fewer slow modes, or as many and ends */
+        double loose = 0.0;
+        felt = rest;
+        *free = 0;
+        for (int32_t k = 0; k < modes; k++) {
+            if (frequency[k] <= slow / duration) {
+                loose += share[k];
+                (*free)++;
+            } else {
+                felt += share[k] / (frequency[k] * frequency[k]);
+            }
+        }
+        double lasts = shortest * sqrt((1.0 + felt / softness) / (1.0 + mass * loose));
+        if (lasts <= duration || *free == 0) break;
+        duration = lasts * (1.0 + CLOSE);
+    }
+    return felt;
+}
+
+void film_modal_still(const film_curve *curve, double nu, film_summary *summary) {
+    double nodes[80]; /* film_mesh_size(6, 6) */
+    film_mesh mesh;
+    film_start start = {.nu = fmax(nu, SLOWEST), .time_limit = INFINITY};
+    film_mesh_init(&mesh, FILM_WORK_PRESERVING, 6, 6, nodes);
+    if (film_marched(curve, &mesh, &start, summary) == FILM_EVENT) return;
+    summary->time_of_maximum_indentation = 1.0;
+    summary->contact_duration = 3.0;
 }

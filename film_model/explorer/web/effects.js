@@ -6,7 +6,6 @@
  * @param {Scene} scene @param {any} n @param {any} law @param {number} impedance @param {number} compliance
  */
 function hardened(scene, n, law, impedance, compliance) {
-  const { settled, most_rounds: rounds } = DATA.constants;
   const wanted = scene.effects.rate_hardening;
   const strengths = ["yield_strength", "flow_strength"];
   const [known, able] = [Number.isFinite(n.rate_coefficient), strengths.some((entry) => law.needs.includes(entry))];
@@ -20,14 +19,18 @@ function hardened(scene, n, law, impedance, compliance) {
     const [yields, flows] = strengths.map((entry) => n[entry] * factor);
     return { ...n, yield_strength: yields, flow_strength: flows, strength_factor: factor };
   };
-  let factor = 1;
-  for (let k = 0; k < rounds; k++) {
+  const found = (/** @type {number} */ factor) => {
     const problem = problemOf(law, times(factor), impedance, 0, compliance);
-    const found = FORMULAS.strengthFactor(problem.p, trial(problem), n).factor;
-    const moved = Math.abs(found - factor) > settled * factor;
-    factor = found;
-    if (!moved) break;
+    return FORMULAS.strengthFactor(problem.p, trial(problem), n).factor;
+  };
+  let [before, factor] = [1, found(1)];
+  let [value, open] = [factor, Math.abs(factor - before) > 0];
+  for (let k = 0; k < DATA.constants.most_rounds && open; k++) {
+    const next = found(factor);
+    const { step, moves } = FORMULAS.secant(before, value, factor, next);
+    [before, value, factor, open] = [factor, next, factor + step, moves];
   }
+  if (open) factor = NaN;
   if (wanted === true && Number.isNaN(factor)) throw new Unsupported("the impact with the higher yield strength cannot be computed");
   return factor > 1 || wanted === true ? times(factor) : null;
 }
@@ -36,7 +39,7 @@ function hardened(scene, n, law, impedance, compliance) {
 function hardeningOf(slow, hard, yields) {
   const found = trial(slow);
   if (found.status !== EVENT) return {};
-  if (!yields || FORMULAS.absorbed(slow.p, found).share <= DATA.constants.yields) return { rate_hardening: { simulated: false, change: 0 } };
+  if (!yields || !FORMULAS.deforms(slow.p, found).yields) return { rate_hardening: { simulated: false, change: 0 } };
   const change = changeOf(hard, slow);
   return Number.isNaN(change) ? {} : { rate_hardening: { simulated: hard !== slow, change } };
 }
@@ -56,9 +59,8 @@ function wavesOf(scene, slow, n, problem) {
   return { simulated: wanted === true || !(pressed || change <= toleranceOf(scene)), change, radiating };
 }
 
-/** The change by waves from the edges of a plate, if the page can judge it; null if the plate has none. @param {Scene} scene @param {any} n @param {Problem} light @param {number} tolerance */
+/** The change by waves from the edges of a plate, if the page can judge it; null if the plate has none. @param {Scene} scene @param {any} n @param {Problem} light @param {number} tolerance @returns {any} */
 function edgesOf(scene, n, light, tolerance) {
   if (!scene.base.reflections || scene.base.edges === false || scene.effects.target_motion === false) return null;
-  const change = FORMULAS[scene.base.reflections](entriesOf(scene), light.p, trial(light)).change;
-  return { change, matter: !(change < tolerance / DATA.constants.sure) };
+  return FORMULAS[scene.base.reflections](entriesOf(scene), light.p, trial(light), tolerance);
 }

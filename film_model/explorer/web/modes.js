@@ -29,23 +29,13 @@ function supportNow(scene) {
 }
 
 /** The power of 2^(1/steps) times a unit that is not below a value. @param {number} value */
-function rounded(value, unit = 1, steps = 4) {
-  return unit * 2 ** (Math.ceil(steps * Math.log2(value / unit) - 1e-9) / steps);
-}
+const rounded = (value, unit = 1, steps = 4) => FORMULAS.onGrid(value, unit, steps).to;
 
 /** Compliance of modes from the one with this number on, m/N, under a force that grows with a rate, 1/s. @param {Record<string, ArrayLike<number>>} modes */
 function bentBy({ frequency, share }, from = 0, rate = 0) {
   let sum = 0;
   for (let k = from; k < frequency.length; k++) if (frequency[k] > 0 || rate > 0) sum += share[k] / (frequency[k] ** 2 + rate ** 2);
   return sum;
-}
-
-/** Compliance of a target's modes from the one with this number on, m/N. @param {any} support @param {number} count */
-const omittedFrom = ({ lacking, modes }, count) => bentBy(modes, count) + lacking;
-
-/** Sum of the modes' shares up to the one with this number, 1/kg. @param {any} support @param {number} count */
-function sharesUpTo({ modes: { share } }, count) {
-  return share.slice(0, count).reduce((/** @type {number} */ sum, /** @type {number} */ value) => sum + value, 0);
 }
 
 /**
@@ -55,17 +45,13 @@ function sharesUpTo({ modes: { share } }, count) {
 function feltCompliance(support, fixed, mass) {
   const found = trial(fixed);
   if (!(support.compliance > 0) || found.status !== EVENT) return support.compliance;
-  const { slow, close } = DATA.constants.vibration;
-  const shortest = found.contact_duration * fixed.p.time;
-  const contact = FORMULAS.swiftness(fixed.p, found, 0, 1).soft;
-  for (let duration = shortest; ;) {
-    const above = support.modes.frequency.findIndex((/** @type {number} */ frequency) => frequency > slow / duration);
-    const count = above < 0 ? support.modes.frequency.length : above;
-    const felt = omittedFrom(support, count);
-    const lasts = shortest * Math.sqrt((1 + felt / contact) / (1 + mass * sharesUpTo(support, count)));
-    if (lasts <= duration || count === 0) return felt;
-    duration = lasts * (1 + close);
-  }
+  const { top, c } = CORE;
+  const { frequency, share } = support.modes;
+  const columns = [frequency, share].map((column) => CORE.numbersAt(column));
+  const numbers = [support.lacking, mass, found.contact_duration * fixed.p.time, FORMULAS.softness(fixed.p, found).soft];
+  const felt = c.film_modal_felt(frequency.length, ...columns, ...numbers, DATA.constants.vibration.slow, CORE.counts);
+  CORE.top = top;
+  return felt;
 }
 
 /**
@@ -85,13 +71,12 @@ function structureOf(scene, highest, longest, series, softer = 0, few = false) {
   const ratio = own === undefined ? seen.modes.ratio : frequency.map(() => own ?? 0);
   let count = frequency.length;
   while (count > 0 && frequency[count - 1] > highest) count--;
-  const [omitted, shares] = [omittedFrom(seen, count) + softer, sharesUpTo(seen, count)];
+  const omitted = bentBy(seen.modes, count) + seen.lacking + softer;
   const forms = formsOf(seen, count, few);
   const columns = [frequency, share, ratio].map((/** @type {number[]} */ column) => column.slice(0, count));
+  const shares = columns[1].reduce((/** @type {number} */ sum, /** @type {number} */ value) => sum + value, 0);
   if (!series && omitted > 0) {
-    const { ratio: damping, above: times } = DATA.constants.vibration;
-    const above = times * highest;
-    [above, omitted * above ** 2, damping].forEach((value, k) => columns[k].push(value));
+    Object.values(FORMULAS.modeOf(omitted, highest)).forEach((value, k) => columns[k].push(value));
     count++;
   }
   const places = columns.map((column) => CORE.numbersAt(column));
@@ -171,17 +156,10 @@ function marched(structure, curve, start, values, room) {
   };
 }
 
-/** The impact under the law alone, on a target that does not move. @param {Problem} problem */
-function stillOf({ p, curve }) {
-  const alone = { ...p, approach: Math.max(p.approach, 1e-3), gamma: 0, load: 0, stop_velocity: 0, limit: Infinity, damping: 0 };
-  const found = CORE.impact(alone, curve, CORE.mesh("work-preserving", 6, 6));
-  return found.status === EVENT ? found : { time_of_maximum_indentation: 1, contact_duration: 3 };
-}
-
 /** Difference of two summaries, value by value. @param {Problem} problem @param {Impact} a @param {Impact} b @returns {Record<string, number>} */
-function differencesOf({ p }, a, b) {
+function differencesOf({ p, law }, a, b) {
   const found = Array.from(CORE.differences(p, a, b, 1), (difference, k) => [DATA.constants.compared[k], difference]);
-  return Object.fromEntries(found.filter(([name]) => !(name === "permanent_indentation" && p.damping > 0)));
+  return Object.fromEntries(found.filter(([name]) => name !== "permanent_indentation" || law.dissipates));
 }
 
 /** @param {number} accuracy @param {any} outcome */
@@ -194,7 +172,7 @@ function unreached(accuracy, outcome) {
  * @param {Scene} scene @param {Problem} problem @param {any} coarse the run before the last @param {number} accuracy @param {number} limit
  */
 function errorOfCompliance(scene, problem, { core, highest, tolerance, structure: { omitted, error } }, accuracy, limit) {
-  if (error <= DATA.constants.vibration.negligible * accuracy * (FORMULAS.swiftness(problem.p, core, 0, 1).soft + omitted)) return 0;
+  if (FORMULAS.negligible(error, FORMULAS.softness(problem.p, core).soft + omitted, accuracy).small) return 0;
   return Math.max(...Object.values(differencesOf(problem, core, followed(scene, problem, highest, tolerance, limit, error).core)));
 }
 
@@ -211,7 +189,8 @@ function vibrate(scene, problem) {
   const rule = DATA.constants.vibration;
   const accuracy = scene.solver.accuracy ?? DATA.constants.accuracy;
   const { p, law } = problem;
-  const still = stillOf(problem);
+  CORE.c.film_modal_still(problem.curve, p.approach, CORE.result);
+  const still = CORE.read("summary", CORE.result, ["stage", "lines"]);
   const { limit, least } = FORMULAS.following(p, still, support.compliance, support.lowest);
   const shared = rounded(least, support.rate, support.steps ?? 1);
   const first = 4 * shared > support.highest ? rounded(least, support.rate) : shared; // few sets of vibrations, unless they are too many
@@ -225,13 +204,14 @@ function vibrate(scene, problem) {
   if (cut) highest = support.highest / 4;
   if (highest < rule.unresolved * first) throw new Unsupported("too few natural vibrations of the target are on this page for so short a contact");
   const follow = (/** @type {number} */ tolerance, upTo = highest) => followed(scene, problem, upTo, tolerance, limit);
-  let tolerance = Math.max(accuracy * rule.step, rule.tightest);
+  const tightened = (/** @type {number} */ from, /** @type {number} */ share) => FORMULAS.tightened(from, share).tolerance;
+  let tolerance = tightened(accuracy, rule.step);
   const workOf = (/** @type {any} */ { core, structure }) => core.lines * (structure.count + rule.modes_of_a_step);
   let coarse = follow(rule.refined * tolerance);
   let spent = workOf(coarse);
   /** @type {Record<string, number>|null} */
   let before = null;
-  tolerance = Math.max(tolerance * FORMULAS.swiftness(p, coarse.core, coarse.structure.shares, coarse.highest).share, rule.tightest);
+  tolerance = tightened(tolerance, FORMULAS.swiftness(p, coarse.core, coarse.structure.shares, coarse.highest).share);
   const shares = () => structureOf(scene, 2 * highest, rounded(p.time), law.series).shares;
   const quick = () => FORMULAS.swiftness(p, coarse.core, shares(), 2 * highest).rate > rule.followed * 2 * highest;
   while (!cut && !rattles && 4 * highest <= most && quick()) highest *= 2;
@@ -258,7 +238,7 @@ function vibrate(scene, problem) {
       fine = follow(tolerance); // whose record was overwritten
     }
     if (before === null) {
-      [coarse, before, tolerance] = [fine, changes, Math.max(tolerance / rule.refined, rule.tightest)];
+      [coarse, before, tolerance] = [fine, changes, tightened(tolerance, 1 / rule.refined)];
       continue;
     }
     const known = before;
@@ -272,7 +252,7 @@ function vibrate(scene, problem) {
       if (own > 0) fine = follow(fine.tolerance);
       return { ...fine, error: error + own, warning: error + own <= accuracy ? "" : unreached(accuracy, fine) };
     }
-    [coarse, before, tolerance] = [fine, changes, Math.max(tolerance / rule.refined, rule.tightest)];
+    [coarse, before, tolerance] = [fine, changes, tightened(tolerance, 1 / rule.refined)];
   }
 }
 

@@ -108,8 +108,7 @@ function phasesAt(view, at, layout, count, unit) {
 function frictionOfSprings(scene, n, problem, given, rebound, own, sample) {
   const { p, law, curve } = problem;
   const [begins, stops] = own.contacts;
-  const { springs, safety, turn, sliding, easy, fewest, steps: most } = DATA.constants.friction;
-  const steps = Math.max(4 * Math.floor((most * easy) / Math.max(begins.length, easy) / 4), fewest); // of each contact
+  const { steps } = FORMULAS.stepsOf(begins.length); // of each contact
   const time = Float64Array.from(begins.flatMap((begin, i) => Array.from({ length: steps + 1 }, (_, k) => (k === steps ? stops[i] : begin + k * ((stops[i] - begin) / steps)))));
   const { values } = sample(time.map((t) => t / p.time));
   const convert = FORMULAS[scene.base.free ? "motionFree" : "motionFixed"];
@@ -125,26 +124,22 @@ function frictionOfSprings(scene, n, problem, given, rebound, own, sample) {
   const radii = law.dissipates ? radiiBeyondYield(begins.length, force, depth, force.map(radiusAt), n.effective_modulus)
     : [elasticRadii(curve, p, force, depth, n.effective_modulus)];
   const power = CORE.c.film_springs_power(curve);
-  const runs = radii.map((radius) => followSprings(springs, { ...given, power }, begins, steps, time, force, radius));
+  const runs = radii.map((radius) => followSprings(DATA.constants.friction.springs, { ...given, power }, begins, steps, time, force, radius));
   const [{ velocity, friction, largest, step, regime, events }] = runs;
-  const impulse = n.impactor_mass * (n.speed - rebound) + p.load * p.force * stops[stops.length - 1]; // of the normal force
   const seen = force.reduce((sum, F, k) => sum + (k > 0 ? 0.5 * (F + force[k - 1]) * (time[k] - time[k - 1]) : 0), 0);
-  const missed = Math.max(own.error, Math.abs(seen / impulse - 1));
+  const { impulse } = FORMULAS.impulseOf(p, n, rebound, stops.at(-1));
   const slid = CORE.c.film_friction_slid(CORE.numbersAt(given.table), given.table.length / 2, given.velocity, impulse / given.mass);
-  const ends = runs.map((run) => (run.slack <= sliding ? slid : run.velocity[time.length - 1]));
-  const before = Math.abs(given.velocity);
-  const least = [0, (turn * before) / steps];
-  const errors = runs.map((run, k) => Math.max(safety * run.error, least[k]) + 2 * missed * before); // 2: as error_of_force in Python
-  const bounds = (/** @type {number} */ sign) => (runs.length > 1 ? ends.map((end, k) => end + sign * errors[k]) : ends);
+  const ends = runs.map((run) => FORMULAS.ended(run.slack, slid, run.velocity.at(-1)).velocity);
+  const { low, high, error } = FORMULAS.judged(ends, runs.map((run) => run.error), steps, Math.abs(given.velocity), Math.max(own.error, Math.abs(seen / impulse - 1)));
   return {
     after: ends[0],
     peak: [largest, time[step]],
     regime,
     events,
-    error: errors[0] / before,
+    error,
     motion: { time, sliding_velocity: velocity, friction_force: friction },
-    low: Math.min(...bounds(-1)),
-    high: Math.max(...bounds(1)),
+    low: runs.length > 1 ? low : undefined,
+    high: runs.length > 1 ? high : undefined,
   };
 }
 
@@ -208,8 +203,8 @@ function alongAt(times, oblique) {
 function warningsOf(oblique, accuracy) {
   if (!oblique) return [];
   const { low, high, motion, estimated_error: error } = oblique;
-  const { open, modelled } = DATA.constants.friction;
-  const allowed = accuracy === null ? open : Math.max(2 * accuracy, low < high ? modelled : 0); // 2: as error_of_force in Python
+  const { open } = DATA.constants.friction;
+  const allowed = accuracy === null ? open : FORMULAS.allowed(accuracy, low < high).error;
   const texts = error > allowed ? [`friction: the sliding velocity is known to ${percent(error)} of that before only`] : [];
   if (high - low > open * Math.abs(motion.sliding_velocity[0])) {
     const [from, to] = [low, high].map((value) => shown(value, "velocity", 3));

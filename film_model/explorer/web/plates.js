@@ -35,8 +35,7 @@ function plateNow(scene) {
   if (CORE.plate.key === key) return CORE.plate;
   const whole = /** @type {any} */ ({ a, b, edges, ...numbers });
   const plate = edges.some((edge) => edge !== 0) ? ofEdges(whole, point) : ofSimpleEdges(whole, point);
-  const rate = (Math.PI * Math.sqrt(Math.max(whole.d11, whole.d22) / whole.mass)) / Math.min(a, b) ** 2;
-  CORE.plate = Object.assign(plate, { key, part, rate, lacking: 0, modes: {} });
+  CORE.plate = Object.assign(plate, { key, part, rate: whole.rate, lacking: 0, modes: {} });
   return CORE.plate;
 }
 

@@ -118,8 +118,8 @@ function changeOf(full, without) {
   return CORE.change(full.p, trial(full), without.p, trial(without));
 }
 
-/** The velocity after the trial impact, or that before it if contact does not end, m/s. @param {Problem} problem */
-const reboundOf = (problem) => problem.p.velocity * (trial(problem).status === EVENT ? -trial(problem).final_velocity : problem.p.approach);
+/** The velocity after the trial impact, m/s. @param {Problem} problem */
+const reboundOf = (problem) => FORMULAS.rebound(problem.p, trial(problem)).velocity;
 
 /** @param {Scene} scene */
 function toleranceOf(scene) {

@@ -48,6 +48,7 @@ from film_model.scene import Effects, Scene
 from film_model.scene.columns import scene_of_columns
 from film_model.solve import mode_formulas, structures, vibration
 from film_model.targets import AbstractTarget
+from film_model.targets.panel_statics import degrees
 
 FROM_SCENE = (
     *("effective_modulus", "effective_radius", "yield_strength", "flow_strength", "strain_hardening_exponent"),
@@ -85,6 +86,7 @@ PLAIN: dict[str, tuple[Callable[..., Any], str]] = {
     "onGrid": (structures.rounded, "to"),
     "falling": (mode_formulas.falling, "later"),
     "secant": (secant, "step moves"),
+    "degrees": (degrees, "x y"),
     "stepsOf": (springs.steps_of, "steps"),
     "ended": (springs.ended, "velocity"),
     "allowed": (allowed, "error"),

@@ -151,8 +151,8 @@ def ritz_constants() -> dict[str, Any]:
     names = ("SHARPNESS", "LEAST", "NODE", "LOOSE", "SPARE", "MOST_WAVES", "WORK_OF_A_STRIP", "FEWEST")
     return (
         numbers_of(ritz, names)
-        | numbers_of(panel_statics, ("STATIC_DEGREE", "LOWER_DEGREES", "REMAINDER", "LEVY", "LONG", "LONGEST"))
-        | numbers_of(panel_statics, ("FEWEST_ACROSS", "FAR", "SEEN", "IMAGES", "SLOWER", "SPREAD"))
+        | numbers_of(panel_statics, ("STATIC_DEGREE", "LOWER_DEGREES", "REMAINDER", "LEVY", "FAR", "SEEN", "IMAGES"))
+        | numbers_of(panel_statics, ("SLOWER", "SPREAD"))
         # largest sum of the cubes of the numbers of functions that interact, and largest degree across a strip, of the
         # modes of a plate on the page
         | {"beyond": line_functions.BEYOND, "most_work": 2e8, "most_degree": 128}

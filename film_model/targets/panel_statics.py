@@ -5,9 +5,11 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 
+from film_model.base.arrays import either, greater, lesser, root
 from film_model.base.errors import SimulationError
 from film_model.base.threads import one_thread
 from film_model.core import panels
@@ -60,12 +62,17 @@ def ritz_compliance(panel: Panel, position: tuple[float, float], degree: int = S
     return total
 
 
-def degrees_along(panel: Panel, degree: int) -> list[int]:
+def degrees_along(panel: Panel, degree: int) -> tuple[int, int]:
     """Degrees along both sides: the same, or more along the longer one and less across."""
     x, y = (side / d**0.25 for side, d in zip(panel.size, panel.stiffness[::2], strict=True))
-    more = math.sqrt(max(min(max(x / y, y / x), LONGEST) / LONG, 1.0))
-    longer, shorter = round(degree * more), max(round(degree / more), FEWEST_ACROSS)
-    return [longer, shorter] if x > y else [shorter, longer]
+    return degrees(x / y, degree)
+
+
+def degrees(ratio: Any, degree: Any) -> tuple[Any, Any]:
+    """The same from the ratio of the sides, each over the fourth root of its stiffness."""
+    more = root(greater(lesser(greater(ratio, 1.0 / ratio), LONGEST) / LONG, 1.0))
+    longer, shorter = math.ceil(degree * more - 0.5), greater(math.ceil(degree / more - 0.5), FEWEST_ACROSS)
+    return either(ratio > 1.0, longer, shorter), either(ratio > 1.0, shorter, longer)
 
 
 def panel_compliance(panel: Panel, position: tuple[float, float]) -> float:

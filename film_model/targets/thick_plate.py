@@ -13,7 +13,7 @@ contact law has them (core/plate/film_plate.c).
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cache, lru_cache
 from itertools import product
@@ -194,7 +194,7 @@ def _at_a_point(plate: ThickPanel, orders: tuple[float, ...]) -> list[Term]:
     return [(0, 1.0, (m, n)), *(bulged if m + n == 0 else [])]
 
 
-def _ritz(plate: ThickPanel, points: Points, degrees: list[int]) -> Iterator[tuple[Array, Array]]:
+def _ritz(plate: ThickPanel, points: Points, degrees: Sequence[int]) -> Iterator[tuple[Array, Array]]:
     """Frequencies, rad/s, and shapes at the points of each group of products that do not interact."""
     thin, shear = plate.thin, 1 / plate.shear[1]
     d11, d12, d22, d66 = thin.stiffness
@@ -218,7 +218,7 @@ def _ritz(plate: ThickPanel, points: Points, degrees: list[int]) -> Iterator[tup
         yield np.sqrt(np.maximum(square, 0.0) / thin.mass_per_area), moved
 
 
-def _products(plate: ThickPanel, degrees: list[int], parities: tuple[int | None, ...]) -> _Products:
+def _products(plate: ThickPanel, degrees: Sequence[int], parities: tuple[int | None, ...]) -> _Products:
     """Those in which w is even (0) or odd (1) in x and in y, or both (None)."""
     held, clamped = (
         [(ends[0] in kinds, ends[1] in kinds) for ends in plate.thin.ends]

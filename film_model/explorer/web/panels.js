@@ -187,18 +187,10 @@ function workOfPanel(panel, point, highest) {
   return seen * (products * sharpness * ritz.fewest) ** 3;
 }
 
-/** Degrees along both sides. @param {Panel} panel @param {number} degree */
-function degreesAlong({ a, b, d11, d22 }, degree) {
-  const { long, longest, fewest_across: fewest } = DATA.constants.ritz;
-  const ratio = (a / b) * (d22 / d11) ** 0.25;
-  const more = Math.sqrt(Math.max(Math.min(Math.max(ratio, 1 / ratio), longest) / long, 1));
-  const [longer, shorter] = [Math.round(degree * more), Math.max(Math.round(degree / more), fewest)];
-  return ratio > 1 ? [longer, shorter] : [shorter, longer];
-}
-
 /** Static deflection over force by polynomials up to a degree. @param {Panel} panel @param {number[]} point @param {number} degree */
 function ritzCompliance(panel, point, degree) {
-  const lines = degreesAlong(panel, degree).map((own, along) => lineOf(endsOf(panel, along), own, 0));
+  const degrees = FORMULAS.degrees((panel.a / panel.b) * (panel.d22 / panel.d11) ** 0.25, degree);
+  const lines = Object.values(degrees).map((own, along) => lineOf(endsOf(panel, along), own, 0));
   const parts = groupsOf(panel, lines, point, { highest: Infinity, most: Infinity }, (count, energy, seen, memory) => {
     const { buffer } = CORE.c.memory;
     const [matrix, values] = [new Float64Array(buffer, energy, count * count), new Float64Array(buffer, seen, count)];

@@ -259,7 +259,7 @@ def _needs_more(choice: Choice, highest: float) -> bool:
     """Whether vibrations above `highest` change the maximum force or indentation by more than the scene's tolerance."""
     scene, target = choice.scene, choice.scene.target
     problem = choice.problem.again(impedance=math.inf, compliance=0.0, vibrates=True)
-    tolerance = vibration.step_tolerance(scene.solver.accuracy or DEFAULT_ACCURACY)
+    tolerance = vibration.tightened(scene.solver.accuracy or DEFAULT_ACCURACY, vibration.STEP)
     limit = vibration.time_limit(problem, target)
     half, whole = (
         vibration.run(problem, structures.structure_of(target, part * highest, problem.scales.time), tolerance, limit)

@@ -16,7 +16,6 @@ import numpy as np
 
 from film_model.base.arrays import either, endless, root
 from film_model.base.errors import SimulationError
-from film_model.core import modal
 from film_model.effects import stretching
 from film_model.effects.effect import (
     FREE,
@@ -274,6 +273,8 @@ def felt_compliance(impacts: Impacts) -> tuple[float, bool]:
     a soft spring: finite-element programs give motions of the whole structure such frequencies. t_c is the contact time
     on a fixed target, lengthened by the compliance felt and shortened by these masses.
     """
+    from film_model.core import modal  # most targets do not vibrate
+
     scene, compliance = impacts.base, impacts.base.target.compliance or 0.0
     fixed = impacts.problem(math.inf, 0.0)
     if not compliance or not endless(scene.target.impedance) or not fixed.trial.ends:

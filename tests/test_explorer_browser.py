@@ -392,7 +392,7 @@ def test_plates_with_any_edges_equal_python(shown, address):
         check(history, factor, found, fragment)
         if found["modes"] and found["modes"] == history.accuracy.modes:
             compared["vibrates"] += 1
-            assert found["error"] == pytest.approx(history.accuracy.estimated, rel=1e-6), fragment
+            assert found["error"] == pytest.approx(history.accuracy.estimated, rel=1e-5), fragment
     assert compared["vibrates"] >= 8 and compared["refused"] <= 30 and compared["failed"] <= 5, compared
 
 

@@ -14,7 +14,7 @@ import math
 from collections.abc import Callable
 from typing import Any, cast
 
-from film_model.base.arrays import any_of, either, greater, ratio, root
+from film_model.base.arrays import all_of, any_of, either, greater, ratio, root
 from film_model.base.errors import SimulationError
 from film_model.base.materials import named
 from film_model.base.rate_law import RateHardening
@@ -91,6 +91,8 @@ def secant(before: Any, value: Any, factor: Any, found: Any) -> tuple[Any, Any]:
 
 def strengthened(static: Problem, factor: Any) -> Problem:
     """The problem with `factor` times the yield strength."""
+    if all_of(factor == 1.0):
+        return static  # whose marches are made
     impacts = static.impacts
     return impacts.under(impacts.law.strengthened(factor)).problem(*static.given)
 
@@ -102,7 +104,7 @@ def hardened(static: Problem) -> Problem | None:
     if law is None or static.impacts.law.strength is None or not static.approach > 0.0:
         return None
     try:
-        factor = settled(lambda s: strain_rate(static if s == 1.0 else strengthened(static, s)), law)
+        factor = settled(lambda factor: strain_rate(strengthened(static, factor)), law)
         return None if math.isnan(factor) else strengthened(static, factor)
     except ValueError:  # the higher strength is beyond the law's range
         return None

@@ -16,9 +16,10 @@ typedef struct {
 /* Whether motions of damped contacts on a curve of all are by the series of lanes. */
 FILM_API int film_motions_by_series(const film_curve *curve, const film_mesh *mesh);
 
-/* Force, depth and, of a reversible law and unless NULL, the slope of its force, of many contacts, by lines, or series: at the times of
- * film_springs_knots, times[i samples + k], of legs whose kink is put in: where a contact yields with a kink of its force, else 0; force[i samples + k]; and the
- * power of film_springs_power. Forces are NaN of a contact that fails, has more lines than there is room, or no finite last time. */
+/* Force, depth and, of a reversible law and unless NULL, the slope of its force, of many contacts, by lines, or series, at the times of
+ * film_springs_knots: times[i samples + k], force[i samples + k]; and the power of film_springs_power. legs get the time at which a
+ * contact yields with a kink of its force, else 0. Forces are NaN of a contact that fails, has more lines than there is room, or no
+ * finite last time. */
 FILM_API void film_motions_many(const film_motions *room, const film_curves *of, const film_mesh *mesh, int64_t count,
                                 const film_start *start, double *legs, double *times, double *force, double *depth, double *slope,
                                 double *power);

@@ -323,7 +323,8 @@ static void take_steps(sliding_group *restrict s, group_steps *restrict to, int 
     }
 }
 
-/* A leg of contact, which begins at a time, NULL for 0; whether impacts are left without a phase. out: 1 on the way out, which begins with a step of no time: where the contact turns its radius may jump. */
+/* A leg of contact, which begins at a time, NULL for 0; whether impacts are left without a phase. out: 1 on the way out, which begins
+ * with a step of no time: where the contact turns its radius may jump. */
 static int follow_leg(sliding_group *restrict s, int out, const double *begin, int32_t rows, int64_t steps, int64_t knots, int runs, int watched) {
     double before[SPRUNG], v[FILM_SPRINGS_RUNS][CHUNK][SPRUNG], per = (double)knots / (double)steps;
     group_steps of;

@@ -8,7 +8,7 @@ from pathlib import Path
 from film_model.core import modal, relaxing, sliding
 from film_model.core.headers import Header
 
-MAGIC = b"FILMFMU5"
+MAGIC = b"FILMFMU6"
 SCALING = (
     *("radius", "effective_modulus", "yield_strength", "yield_pressure", "hardness", "stiffness", "power_stiffness"),
 )

@@ -310,7 +310,7 @@ def finished(data: Data, token: str) -> bytes:
     """Content of the file: the data with token and checksum."""
     data.token = token.encode()
     content = bytes(data)[Data.token.offset :] + data.tail
-    data.checksum = _fnv1a(content)
+    data.checksum = _checksum(content)
     return bytes(data) + data.tail
 
 
@@ -322,7 +322,7 @@ def read(content: bytes) -> Data:
     data.tail = content[c.sizeof(Data) :]
     if data.size != len(content):
         raise ValueError(f"{NAME}: damaged, it must have {data.size} bytes")
-    if data.checksum != _fnv1a(content[Data.token.offset :]):
+    if data.checksum != _checksum(content[Data.token.offset :]):
         raise ValueError(f"{NAME}: damaged, the checksum does not match")
     return data
 
@@ -361,9 +361,9 @@ def slides(data: Data) -> bool:
     return bool(data.available[reference("torque")])
 
 
-def _fnv1a(content: bytes) -> int:
-    """FNV-1a hash, 64 bits; the runtime checks it with the same function."""
-    hash_: Any = 14695981039346656037
-    for byte in content:
-        hash_ = ((hash_ ^ byte) * 1099511628211) & 0xFFFFFFFFFFFFFFFF
-    return hash_
+def _checksum(content: bytes) -> int:
+    """FNV-1a hash of words of 8 bytes, as `model_checksum` of the runtime."""
+    found = 14695981039346656037
+    for word in memoryview(content).cast("Q"):
+        found = ((found ^ word) * 1099511628211) & 0xFFFFFFFFFFFFFFFF
+    return found

@@ -115,9 +115,12 @@ LEFT = tuple(
 """Outputs that events and contacts leave: an impact in Co-Simulation has their derivatives by parameters."""
 
 
+_REFERENCES = {variable.name: k for k, variable in enumerate(VARIABLES)}
+
+
 def reference(name: str) -> int:
     """The value reference of a variable."""
-    return next(k for k, variable in enumerate(VARIABLES) if variable.name == name)
+    return _REFERENCES[name]
 
 
 RIGID = float(VARIABLES[reference("target_impedance")].high or 0.0)

@@ -199,7 +199,7 @@ int instance_derivatives(instance *i, const char *function, const unsigned *unkn
 /* ---------------------------------------------------------------- saved states */
 
 typedef struct {
-    uint64_t checksum; /* FNV-1a of what follows */
+    uint64_t checksum; /* model_checksum of what follows */
     uint64_t size;     /* bytes, with the state beside model_memory that follows this structure */
     char token[64];    /* of the FMU that saved it */
     int32_t model_exchange, event_mode; /* of the instance */

@@ -69,7 +69,7 @@ typedef struct {
 typedef struct {
     char magic[8];
     uint64_t size;     /* of this structure and what follows it */
-    uint64_t checksum; /* FNV-1a of everything after it */
+    uint64_t checksum; /* model_checksum of everything after it */
     char token[64];    /* instantiation token, GUID */
     int32_t kind, linearisation;
     int32_t available[SETTABLE]; /* whether this law has the parameter */
@@ -170,7 +170,7 @@ int model_path_of_uri(const char *uri, char *path, size_t room, int escapes);
 /* The pairs of a table of friction. */
 const double *model_friction_table(const model_data *data);
 
-/* FNV-1a hash. */
+/* FNV-1a hash, of words of 8 bytes. */
 uint64_t model_checksum(const void *from, size_t count);
 
 void model_init(model *m, const model_data *data);

@@ -13,7 +13,7 @@
 #include <windows.h>
 #endif
 
-static const char MAGIC[8] = {'F', 'I', 'L', 'M', 'F', 'M', 'U', '5'};
+static const char MAGIC[8] = {'F', 'I', 'L', 'M', 'F', 'M', 'U', '6'};
 static const char NAME[] = "model.film";
 enum { LONGEST_PATH = 4096, LARGEST_FILE = 1 << 25, MOST_VARYING = 1 << 13, MOST_MODES = 20000 };
 
@@ -31,7 +31,11 @@ static FILE *open_file(const char *path) {
 uint64_t model_checksum(const void *from, size_t count) {
     const unsigned char *bytes = from;
     uint64_t hash = 14695981039346656037u;
-    for (size_t k = 0; k < count; k++) hash = (hash ^ bytes[k]) * 1099511628211u;
+    for (size_t k = 0; k < count; k += sizeof hash) {
+        uint64_t word = 0;
+        memcpy(&word, bytes + k, count - k < sizeof word ? count - k : sizeof word);
+        hash = (hash ^ word) * 1099511628211u;
+    }
     return hash;
 }
 

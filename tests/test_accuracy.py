@@ -125,6 +125,7 @@ def test_an_empty_linearisation_is_refused():
         fm.simulate(zener_scene(1.0), linearisation="")
 
 
+@pytest.mark.slow
 @combinations(linearisation=["chord", "work-preserving"], segments=[3, 5, 10, 30], fast=2)
 def test_the_estimate_for_a_number_of_segments(segments, linearisation):
     rng = np.random.default_rng(segments)

@@ -247,6 +247,7 @@ def test_points_of_gauss_rule():
     np.testing.assert_allclose(np.array(pairs, float), halves, rtol=2e-14)  # numpy errs by 1e-14
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("law", [name for name in LAWS if name not in (*STRAIGHT, *LEFT_TO_THE_MARCH)])
 def test_batch_kernel_is_as_accurate_as_the_march_on_moving_targets(law):
     """The batch kernel aims its nodes at its own estimate of the turn, does not split the segment on which the impactor
@@ -288,6 +289,7 @@ def test_contacts_under_a_load_in_lanes_converge_to_the_march(law, load):
         assert (apart <= 12.0 * error).all() and np.median(apart / error) < 2.0
 
 
+@pytest.mark.slow
 def test_ways_of_exponent_three_halves_come_from_exact_tables():
     """Against the Taylor series that the tables are made of, at random numbers; on both sides of the end of a table."""
     tables = runpy.run_path(str(Path(__file__).parents[1] / "examples" / "map_tables.py"))

@@ -80,6 +80,7 @@ def test_timoshenkos_cantilever_against_its_characteristic_equation():
         assert root == pytest.approx(frequency, rel=1e-7)
 
 
+@pytest.mark.slow
 def test_high_vibrations_of_slender_beams_keep_their_digits():
     """190 half-waves of a free beam with little shear: frequencies and tips tend to those of the plain theory,
     with a difference that grows with the square of the wave number. Where digits are lost, half the vibrations are."""
@@ -155,6 +156,7 @@ def test_bending_across_the_width(width, measured):
     assert effect.state == "not needed" and "taken for a plate" in effect.reason
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("length", "width"), [("3 m", "100 mm"), ("3 m", "60 mm"), ("1.2 m", "60 mm")])
 @pytest.mark.parametrize("share", [0.5, 0.3])
 def test_long_wide_beams(length, width, share):
@@ -171,6 +173,7 @@ def test_long_wide_beams(length, width, share):
         assert found.accuracy.estimated < (1e-4 if ends == S else 0.1)
 
 
+@pytest.mark.slow
 def test_a_large_error_of_the_omitted_vibrations_is_told():
     target = fm.Beam("mild steel", length="600 mm", width="60 mm", thickness="4 mm", ends="clamped", position="60 mm")
     ball = fm.Sphere("10 mm", "1 m/s", material="bearing steel")

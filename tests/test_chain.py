@@ -322,6 +322,7 @@ def run(command):
     return main(command.split())
 
 
+@pytest.mark.slow
 def test_command(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "cradle.toml").write_text(FILE, encoding="utf-8")

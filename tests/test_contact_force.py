@@ -110,6 +110,7 @@ def test_wrong_vibrations_are_doubted(bracket, tmp_path):
     assert '"half way"' in found.warnings[0] and found.residual["corner"] > 5.0 * NOISE
 
 
+@pytest.mark.slow
 def test_command(bracket, tmp_path, capsys, monkeypatch):
     folder, history, times, moved = bracket
     monkeypatch.chdir(tmp_path)

@@ -52,6 +52,7 @@ def flip(content: bytes, bit: int) -> bytes:
     return bytes(changed)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("reader", ["ours", "xarray"])
 @KINDS
 def test_a_flipped_bit_of_a_netcdf_file_changes_no_value(tmp_path: Path, kind: str, reader: str) -> None:
@@ -84,6 +85,7 @@ def test_a_flipped_bit_of_a_netcdf_file_changes_no_value(tmp_path: Path, kind: s
     assert refused > 10
 
 
+@pytest.mark.slow
 @KINDS
 def test_a_flipped_bit_of_a_zarr_chunk_is_refused(tmp_path: Path, kind: str) -> None:
     pytest.importorskip("zarr")
@@ -129,6 +131,7 @@ def edited(path: Path, edit: str) -> None:
         (place / "zarr.json").write_text(text.replace(f'"{edit}": "', f'"{edit}": "x'), "utf-8")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("edit", ["title", "long_name", "chunk"])
 @pytest.mark.parametrize("suffix", [".nc", ".zarr"])
 @KINDS

@@ -53,6 +53,7 @@ def loaded(name):
 # ---------------------------------------------------------------- what is set after export
 
 
+@pytest.mark.slow
 @combinations(name=CONTACTS, change=CHANGES)
 def test_damping_follows_what_is_set_after_export(made, name, change):
     before, (value, changed) = entry(name), CHANGES[change]
@@ -77,6 +78,7 @@ def test_damping_follows_what_is_set_after_export(made, name, change):
 GIVEN = [name for name in CONTACTS if "restitution" in CONTACTS[name]]
 
 
+@pytest.mark.slow
 @combinations(name=GIVEN, exported=[0.6, 1.0, 0.02], restitution=[0.01, 0.35, 0.9, 1.0], version=[2, 3], fast=8)
 def test_the_restitution_can_be_set_after_export(made, name, exported, restitution, version):
     before = entry(name, "plate").replace({"contact.restitution": exported})
@@ -105,6 +107,7 @@ def test_the_restitution_of_a_contact_and_of_model_exchange(made, name, version)
         fmu_wrapper.run(made(on, version), start_values={"restitution": 0.005})
 
 
+@pytest.mark.slow
 @combinations(name=CONTACTS, fast=3)
 def test_mass_velocity_radius_and_modulus_set_together_on_a_plate(made, name):
     """Mass, velocity, radius and modulus of another scene, on a moving target."""
@@ -138,6 +141,7 @@ def test_restitution_is_relative_to_the_velocity_before_first_touch(made):
         assert float(ds.event_contact_force[0]) > 0.1 * history.summary["maximum_force"]
 
 
+@pytest.mark.slow
 @VERSIONS
 def test_a_restitution_needs_a_positive_approach_velocity(made, version):
     path = made(entry("hunt-crossley of a restitution"), version, initial_gap="1 um")
@@ -194,6 +198,7 @@ def test_parameters_without_a_power_law_in_damping_cannot_be_set(made, version):
 # ---------------------------------------------------------------- integrators of the true law
 
 
+@pytest.mark.slow
 @combinations(name=DAMPED, load=[-200.0, 300.0, 3000.0])
 def test_model_exchange_under_a_force_has_the_same_events(made, name, load):
     """The largest force, which occurs between events, agrees too."""
@@ -220,6 +225,7 @@ def test_model_exchange_under_a_force_has_the_same_events(made, name, load):
         assert one == pytest.approx(two, abs=3e-3 * float(np.abs(one).max())), key
 
 
+@pytest.mark.slow
 @VERSIONS
 @pytest.mark.parametrize(("name", "load"), [("tsuji", 280.0), ("kuwabara-kono", 457.12)])
 def test_a_contact_resumes_within_its_dent_after_its_force_was_zero(made, name, load, version):
@@ -272,6 +278,7 @@ def test_model_exchange_remembers_the_force_before_an_input_jumps(made, name, ve
     assert force > 0.0 and told == pytest.approx([2e-6, force], rel=1e-12)
 
 
+@pytest.mark.slow
 @combinations(name=["linear-dashpot", "kuwabara-kono"], version=[2, 3])
 def test_a_ball_comes_to_rest_in_every_interface(made, version, name):
     """A falling ball bounces ever lower until its weight keeps the contact closed."""
@@ -292,6 +299,7 @@ def test_a_ball_comes_to_rest_in_every_interface(made, version, name):
         assert float(ds.event_impactor_velocity[-1]) < 0.25
 
 
+@pytest.mark.slow
 @combinations(name=DAMPED, version=[2, 3])
 def test_directional_derivatives_by_velocity(made, name, version):
     """Of the force and of what follows from it, by finite differences in Model Exchange's functions: tests/fmu_check.c.
@@ -357,6 +365,7 @@ def test_the_description_names_what_the_force_depends_on(made, kind):
     assert (plain[1], damped[1]) == ("false", "true" if kind == "contact" else "false")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", DAMPED)
 def test_a_support_that_moves(made, name):
     on = replace(scene(name, "plate"), effects=fm.Effects(gravity=False))
@@ -371,6 +380,7 @@ def test_a_support_that_moves(made, name):
         assert float(final[key]) == pytest.approx(getattr(outputs, key), rel=1e-11, abs=1e-11 * scale), key
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", DAMPED)
 def test_documentation_describes_the_law(made, name):
     with zipfile.ZipFile(made(scene(name))) as archive:

@@ -72,6 +72,7 @@ def test_equal_histories_compare_equal(history: fm.History) -> None:
     assert other != history and len({history, again, other}) == 2
 
 
+@pytest.mark.slow
 @EVERY_SCENE
 def test_a_history_is_written_as_its_dataset(path: Path, tmp_path: Path) -> None:
     """To netCDF without xarray: the same bytes."""
@@ -172,6 +173,7 @@ def test_a_file_contains_its_scene(dataset: xr.Dataset, history: fm.History, tmp
     assert fd.to_dataset(again).attrs["content_sha256"] == back.attrs["content_sha256"]
 
 
+@pytest.mark.slow
 @EVERY_SCENE
 def test_segments_give_the_state_at_any_time(path: Path, tmp_path: Path) -> None:
     history = fm.simulate(fm.Scene.from_toml(path).replace({"effects.boundary_reflections": False}))
@@ -309,6 +311,7 @@ def test_a_file_from_before_a_summary_value_is_valid(
     assert fd.validate(old) == ["variable maximum_force is missing"]
 
 
+@pytest.mark.slow
 def test_a_cost_study_is_a_dataset(tmp_path: Path) -> None:
     """A cost study of two methods, one without a batch and with one failed run."""
     timing = Timing(median=2e-6, spread=1e-7)
@@ -361,6 +364,7 @@ def test_film_model_does_not_import_film_datasets() -> None:
     assert run.stdout == "ok\n", run.stderr
 
 
+@pytest.mark.slow
 def test_the_accessor_exists_where_xarray_is_imported_later():
     code = (
         "import film_datasets, importlib.util as util; util.find_spec('xarray'); import xarray; "

@@ -24,6 +24,7 @@ def law_of(strain, exponent=0.0, ratio=0.3, share=0.0):
     return fm.Elastoplastic(*SPHERE, strain * SPHERE[0], ratio, exponent, share)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("harder", ["rigid", "elastic", "elastic flat"])
 def test_restitution_falls_with_velocity_from_1_at_first_yield_for_any_material(harder):
     rng = np.random.default_rng(11)
@@ -98,6 +99,7 @@ def test_with_a_rigid_body_the_law_is_that_of_one_sphere():
             np.testing.assert_allclose(getattr(near, name)(w), getattr(one, name)(w), rtol=1e-7)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("strain", "beside"),
     [

@@ -79,6 +79,7 @@ def test_in_a_component(name, target):
         assert result.outputs.contact_force >= 0.0 or LAWS[name].family == "adhesive"
 
 
+@pytest.mark.slow
 @combinations(on=["2-half-space", "2-plate", "3-half-space", "3-rod"], name=LAWS)
 def test_in_an_fmu(name, on, made):
     """Force, duration and rebound of a whole contact; `fmu_wrapper.check` compares the motion too (test_fmu.py)."""

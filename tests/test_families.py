@@ -42,6 +42,7 @@ def test_curves_of_a_family_are_the_law(ratio):
             assert curve.work(1.5 * a) - curve.work(a) == pytest.approx(integral, rel=1e-10)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("constants", ["continuous", "printed"])
 def test_curves_of_a_mixture_are_the_law(constants):
     """Force and end for any Poisson's ratio and strength, between the nodes; the work of a family over one number."""

@@ -31,6 +31,7 @@ needs_gcc = pytest.mark.skipif(shutil.which("gcc") is None, reason="needs gcc")
 COARSE = run.Mesh(elements=12)
 
 
+@pytest.mark.slow
 @needs_gcc
 def test_an_elastic_ball_rebounds_by_hertz():
     found = run.strike(run.Impact(1.0, 200.0, yields=False), COARSE)
@@ -124,6 +125,7 @@ def test_published_runs():
     assert 2.7 < float(pressure[-1]) < 3.0  # in Y: full plasticity
 
 
+@pytest.mark.slow
 def test_the_design_is_that_of_the_published_runs():
     ds = fd.load("finite_element_impacts")
     designed = run.design()
@@ -152,6 +154,7 @@ def assert_within_bounds(name, errors, ds):
         assert np.abs(errors[rows]).max() < largest, name
 
 
+@pytest.mark.slow
 def test_the_constants_of_the_law_are_those_of_the_fit():
     best, found = fit.main()
     assert astuple(best) == pytest.approx(astuple(FITTED), rel=2e-3)
@@ -211,6 +214,7 @@ def test_a_softer_ball_keeps_its_slope_on_a_body_that_flattens():
     assert without[2] > 1.02 * law[2]
 
 
+@pytest.mark.slow
 def test_published_pairs():
     ds = fd.load("finite_element_pairs")
     assert fd.validate(ds) == []

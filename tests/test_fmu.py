@@ -155,6 +155,7 @@ def test_check_agrees(made, law, target, version):
     assert bad == []
 
 
+@pytest.mark.slow
 @combinations(law=["big-alabo", "stronge", "tsuji", "kuwabara-kono"], version=[2, 3])
 def test_model_exchange_as_an_importer_runs_it_by_default(made, law, version):
     """The tolerance of the default experiment keeps every value within the accuracy of the scene."""
@@ -300,6 +301,7 @@ CHANGES = {
 }
 
 
+@pytest.mark.slow
 @combinations(law=["hertz", "big-alabo", "stronge", "jackson-green"], name=CHANGES, version=[2, 3])
 def test_parameters_after_export_are_a_new_scene(made, law, name, version):
     if law == "hertz" and name == "yield_strength":
@@ -813,6 +815,7 @@ def test_check_finds_a_changed_force(made, tmp_path):
     assert any("contact_force" in finding.what and 1e-7 < finding.difference < 1e-5 for finding in wrong)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", ["plate", pytest.param("micrometre ball", marks=pytest.mark.slow)])
 def test_a_step_ends_after_a_limited_amount_of_work(made, kind):
     """1e20 N on a plate, and a ball of 1 µm that bounces for 1e6 s, are refused in a sentence."""

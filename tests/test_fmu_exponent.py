@@ -30,6 +30,7 @@ def with_exponent(contact, exponent, stiffness):
     return {**contact, "exponent": exponent, "stiffness": f"{stiffness!r} N/m^{exponent!r}"}
 
 
+@pytest.mark.slow
 @combinations(name=CONTACTS, exponent=[1.2, 1.9], target=["half-space", "plate"], version=[2, 3], fast=4)
 def test_an_exponent_after_export_is_a_new_scene(made, name, exponent, target, version):
     stiffness = 1.2e10 * 1e-5 ** (1.5 - exponent)  # about the same force at 10 micrometres

@@ -30,6 +30,7 @@ def component_for(path, served):
         return fmu_wrapper.resource.component_of(served, fmu.data)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("version", [2, 3])
 @pytest.mark.parametrize("table", [False, True])
 @pytest.mark.parametrize("law", ["hertz", "elastoplastic", "tsuji", "on a beam"])
@@ -156,6 +157,7 @@ def errors(path, served, steps, solver="CVode", **inputs):
     return max(worst[name] / largest[name] for name in OUTPUTS), last, begun
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("version", [2, 3])
 @pytest.mark.parametrize("psi", [0.3, 2.0, 8.0])
 @pytest.mark.parametrize("law", ["hertz", "elastoplastic", "thornton", "tsuji", "hunt-crossley"])
@@ -199,6 +201,7 @@ def test_friction_can_change_in_event_mode(made):
         assert after["friction_force"] == pytest.approx(0.1 * after["contact_force"], rel=1e-12)
 
 
+@pytest.mark.slow
 def test_errors_of_model_exchange_fall_with_the_steps(made):
     """The numbers of docs/fmus.md: the largest error of all outputs and three regimes, over their largest values."""
     paths = {psi: (made(on(psi=psi)), on(psi=psi)) for psi in (0.3, 2.0, 8.0)}

@@ -195,6 +195,7 @@ def test_a_contact_exchanges_force_and_motion_in_the_step(made, steps, error):
     assert steps == 5 or gained[1] > 100 * gained[0]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "name", ["friction", "vibrations", "viscoelastic, on a rod", "static stiffness, hertz", "tsuji on a plate"]
 )

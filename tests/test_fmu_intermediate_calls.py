@@ -63,6 +63,7 @@ def test_without_a_callback_or_variables_nothing_changes(made, update, required)
     assert results[0] == results[1] and results[0]["contact_count"] == 1
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["big-alabo", "dropped", "friction", "vibrations", "viscoelastic, on a rod"])
 def test_reading_leaves_the_motion_alone(made, name):
     _, on, gap = CASES[name]
@@ -228,6 +229,7 @@ LATE = {
 """Calls where outputs are shown."""
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", [*EARLY, *LATE])
 def test_other_calls_are_errors_after_which_the_step_goes_on(made, name):
     call, sentence = (EARLY | LATE)[name]
@@ -268,6 +270,7 @@ def instantiates(fmu, number):
     return True
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", ["impact", "contact"])
 def test_the_description_lists_what_the_binary_accepts(made, kind):
     on = on_structure("hertz", static_compliance="3e-6 m/N", sensors=SENSORS) if kind == "impact" else hertz()

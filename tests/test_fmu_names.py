@@ -36,6 +36,7 @@ def test_the_name_comes_from_the_title(made, version):
     assert names(made(ball, version, name="衝突")) == ("衝突", "impact")
 
 
+@pytest.mark.slow
 def test_the_command_line_takes_a_name(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     assert main(["export-fmu", str(BALL), "--name", "Front ball"]) == 0

@@ -22,6 +22,7 @@ def contents(path):
         return {name: archive.read(name) for name in archive.namelist()}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("kind", "version"), [("impact", 3), ("contact", 2)])
 def test_manifest_names_files_of_the_archive(tmp_path, kind, version):
     files = contents(fmu_wrapper.export(scene("big-alabo"), tmp_path / "a.fmu", version, kind=kind))
@@ -49,6 +50,7 @@ def test_runs_equal_the_reference_results_inside(tmp_path, law, target, version)
         np.testing.assert_allclose(ds[name].values[rows], stored[name], rtol=0, atol=1e-12 * np.abs(stored[name]).max())
 
 
+@pytest.mark.slow
 def test_check_finds_a_result_that_differs_or_is_no_number(tmp_path):
     path = fmu_wrapper.export(scene("hertz"), tmp_path / "a.fmu")
     files, name = contents(path), f"{related.FOLDER}/{related.RESULTS}"

@@ -31,6 +31,7 @@ def test_check_agrees(made, law, version):
     assert report.good, [f for f in report.findings if not f.good]
 
 
+@pytest.mark.slow
 @combinations(
     law=["auto", "stronge", "big-alabo"],
     changed=[{"target_stiffness": 5e6}, {"radius": 0.014}, {"yield_strength": 0.8e9, "target_stiffness": 1e8}],

@@ -29,6 +29,7 @@ def same(found, summary):
     return expected
 
 
+@pytest.mark.slow
 @combinations(
     law=["hertz", "big-alabo", "stronge", "meyer", "tsuji", "saturating", "thornton", "rigid-plastic"],
     velocity=[0.003, 0.25, 3.0],

@@ -121,6 +121,7 @@ def test_a_radius_does_not_shrink_while_the_depth_grows():
         assert np.all(np.diff(radius[:6]) >= 0.0) and np.all(radius[:-1] >= 0.0) and radius[-1] == 0.0
 
 
+@pytest.mark.slow
 def test_regimes_of_batches_are_those_of_single_impacts():
     """Between sticking first and sliding throughout 32 springs in 128 steps decide as 256 in 2048."""
     rng = np.random.default_rng(3)

@@ -114,6 +114,7 @@ def test_exact_data_give_the_parameters_back(tmp_path: Path) -> None:
     assert one.value == pytest.approx(1e9, rel=1e-3)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("quantity", "heading"), [("coefficient_of_restitution", ""), ("dent_diameter", " [m]")])
 def test_a_hardness_is_fitted_to_rebounds_or_dents(tmp_path: Path, quantity: str, heading: str) -> None:
     """Also one that contradicts the yield strength of the data sheet, which then goes."""
@@ -309,7 +310,7 @@ def test_a_target_that_vibrates(tmp_path: Path) -> None:
 
 @pytest.mark.slow
 def test_intervals_contain_the_true_values(tmp_path: Path) -> None:
-    assert min(covered(40, tmp_path)) >= 37
+    assert min(covered(20, tmp_path)) >= 18
 
 
 @pytest.mark.slow

@@ -69,6 +69,7 @@ def springpot(loss_factor, steps):
     raise AssertionError("contact does not end")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("loss_factor", [0.01, 0.03, 0.1, 0.3, 1.0, 5.0])
 def test_restitution_is_that_of_an_integration(loss_factor):
     found = springpot(loss_factor, 800)

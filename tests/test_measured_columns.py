@@ -35,6 +35,7 @@ def rows(separator: str = ",") -> str:
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("separator", [",", ";", "\t"])
 def test_columns_are_found_below_the_lines_of_an_oscilloscope(tmp_path: Path, separator: str) -> None:
     path = tmp_path / "scope.csv"

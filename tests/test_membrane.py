@@ -147,6 +147,7 @@ def test_a_tiny_deflection_is_linear():
         assert stretched[name] == pytest.approx(value, rel=1e-6, abs=1e-12), name
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("edges", "slides"), [("simply supported", False), ("clamped", True)])
 def test_the_static_limit(edges, slides):
     """A slow and heavy ball bends the plate as a force at rest does; a part of its energy is in the contact."""
@@ -157,6 +158,7 @@ def test_the_static_limit(edges, slides):
     assert fm.simulate(heavy).summary["maximum_force"] == pytest.approx(force, rel=0.04)
 
 
+@pytest.mark.slow
 def test_a_beam_between_fixed_ends():
     """U = k w²/2 + E A L ε²/2, ε = π² w²/(4 L²), to which its first vibration alone leads; higher ones soften it."""
     beam = fm.Beam(METAL, "300 mm", "4 mm", "2 mm", in_plane="fixed", theory="euler-bernoulli")
@@ -211,6 +213,7 @@ def test_what_a_page_gets():
     assert not computed(choice.scene.target) and computed(struck(1.0, in_plane=None).target)
 
 
+@pytest.mark.slow
 def test_sensors_files_and_sweeps(tmp_path):
     """The struck point's own sensor, its velocity, a motion from a file, and rows of a sweep."""
     scene = struck(0.3, sensors=[{"name": "centre", "position": [f"{SIDE / 2} m"] * 2}], damping_ratio=0.01)

@@ -105,6 +105,7 @@ def test_static_deflection_is_that_of_an_elastic_layer(size, position, slenderne
     assert lacking > (0.0 if slenderness > 5 else -0.04 * plate.compliance)  # one vibration, less the half-space
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("edges", ["CCCC", "CSFF", "CFFF"])
 def test_static_deflection_converges(edges):
     """Its bound is small, and vibrations have less of it."""
@@ -224,6 +225,7 @@ def test_sweeps_components_and_derivatives_follow_the_same_plate():
     assert found == pytest.approx((force[1] - force[0]) / 0.02, rel=0.02)
 
 
+@pytest.mark.slow
 def test_strain_is_that_of_the_thin_plate_far_from_the_force():
     """Curvatures are those of the rotations."""
     sensors = [{"name": "far", "position": ["50 mm", "60 mm"], "strain": True}]

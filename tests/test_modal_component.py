@@ -137,6 +137,7 @@ def integrated(case, inputs):
         yield y[0] - bent, y[1] + support, bent + carried
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("target", [RINGING, FADING, FLYING], ids=["ringing", "fading", "flying"])
 def test_forces_and_supports_on_a_structure_that_rings_agree_with_an_integrator(target):
     """The force pushes the ball back, again and again, to a structure that still rings from the contacts before."""

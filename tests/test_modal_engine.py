@@ -168,6 +168,7 @@ def test_a_run_without_a_record_is_the_same():
     assert len(bare.segments) == len(bare.met) == 0 < len(recorded.segments)
 
 
+@pytest.mark.slow
 @combinations(law=[name for name, law in LAWS.items() if not law.damped and "printed" not in name], fast=2)
 def test_against_dop853(law):
     found, problem = on_few(LAWS[law], 1e-8)
@@ -352,6 +353,7 @@ def judged_structures(seed, numbers, accuracy, monkeypatch):
     return [study["judged"](scenes[number], accuracy) for number in numbers]
 
 
+@pytest.mark.slow
 def test_the_estimate_bounds_the_error_against_other_modes(monkeypatch):
     """Rods, beams of three theories, simply supported plates with shear and without."""
     found = judged_structures(1, (6, 7, 9, 14, 17, 26, 33, 54), 1e-4, monkeypatch)

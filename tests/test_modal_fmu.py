@@ -42,6 +42,7 @@ def test_an_fmu_is_valid_and_has_the_motion_of_the_library(made, place, case):
     assert report.problems == () and report.findings[0].what == "vibrations"
 
 
+@pytest.mark.slow
 @combinations(law=["big-alabo", "stronge"], fast=1)
 def test_where_a_stage_begins_the_rate_of_indentation_may_jump(made, law):
     """Omitted vibrations follow the force statically: `check` does not compare the two sides of the jump."""
@@ -86,6 +87,7 @@ def test_each_event_ends_a_step_in_event_mode(made):
     assert [at for at, _ in found] == pytest.approx([event.time for event in events], rel=1e-11)
 
 
+@pytest.mark.slow
 @VERSIONS
 def test_a_state_is_restored_and_serialised(made, version):
     with opened(made(FAST, version)) as fmu, started(fmu, False, {}) as slave:
@@ -248,6 +250,7 @@ SENSORS = [{"name": "tip", "shape": [1.0, -0.5, 0.25]}, {"name": "far side", "sh
 SENSING = on(fm.Structure(**LISTED, damping_ratio=0.02, sensors=SENSORS))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("version", "mode"), [(2, "steps"), (3, "events")])
 def test_sensors_are_outputs(made, version, mode):
     """By the names of tables, with the motion of the history, also after the last contact; the support moves them."""

@@ -200,6 +200,7 @@ def test_a_sweep_in_which_only_some_targets_vibrate():
     assert "step_begin is not the sum of the step_count before" in fd.validate(ds.assign(step_begin=ds.step_begin + 1))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("suffix", ["nc", pytest.param("zarr", marks=pytest.mark.slow)])
 def test_blocks_workers_files_and_resumed_runs_give_the_same(tmp_path, monkeypatch, suffix):
     if suffix == "zarr":

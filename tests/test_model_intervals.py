@@ -138,6 +138,7 @@ def test_elastic_contacts_have_the_interval_of_glass_and_alumina(found):
         assert said == f"{own.rows} measurements of {kind}; so few cover {likely:.0f} % of the next"
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore::film_model.ImpactWarning")
 def test_without_evidence_there_is_no_interval():
     chosen = fm.simulate(scene(law="hertz"))
@@ -181,6 +182,7 @@ def test_a_brittle_ball_that_is_still_pressed_in_when_no_longer_followed():
     assert "time limit" in history.to_json()
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore::film_model.ImpactWarning")
 def test_a_sweep_has_the_intervals_of_its_impacts():
     """Each as alone: of steel and glass by velocity, of a law of which none is asked for, of one that adheres."""
@@ -218,6 +220,7 @@ def test_a_sweep_has_the_intervals_of_its_impacts():
         fm.simulate(ball).to_dataset().film.intervals()
 
 
+@pytest.mark.slow
 def test_json_text_html_and_dataset_have_it(tmp_path, capsys):
     path = tmp_path / "scene.toml"
     path.write_text(scene().to_toml(), "utf-8")

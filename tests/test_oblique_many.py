@@ -198,6 +198,7 @@ def test_a_sweep_where_nothing_slides_or_not_at_all_and_its_choice_of_variables(
     assert "sliding_regime" not in plain and plain.attrs["kept"] == "summary"
 
 
+@pytest.mark.slow
 def test_the_command_prints_and_writes_the_results_of_a_sweep(tmp_path, capsys):
     (tmp_path / "ball.toml").write_text(slanted().to_toml(), encoding="utf-8")
     over = '[over]\n"impactor.angle" = ["10 deg", "40 deg", "80 deg"]\n'
@@ -216,6 +217,7 @@ def test_the_command_prints_and_writes_the_results_of_a_sweep(tmp_path, capsys):
     assert "friction_work [J]" in heads and "sliding_regime" in heads
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("scene", [slanted(), slanted("5 deg", law="elastoplastic", target=fm.HalfSpace("mild steel"))])
 def test_the_dataset_of_a_history_holds_its_friction(scene, tmp_path):
     with warnings.catch_warnings():

@@ -55,6 +55,7 @@ def test_points_of_a_measurement(tmp_path: Path) -> None:
     np.testing.assert_allclose(panel.lines[0].get_xydata(), [[0.05, 0.98], [0.5, 0.9], [4, 0.8]], rtol=1e-12)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("option", [{"quantity": "maximum_force"}, {"over": "foo"}, {"at": {"impact": 1}}])
 def test_sweep_arguments_are_refused_for_histories(option: dict, tmp_path: Path) -> None:
     ds = fd.to_dataset(fm.simulate(BALL))

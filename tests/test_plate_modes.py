@@ -324,6 +324,7 @@ def test_half_waves_between_simply_supported_edges_are_accurate(monkeypatch: pyt
     assert found.compliance == pytest.approx(panel_compliance(strip, place), rel=1e-5)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("letters", ["SSFF", "SSFC", "SSSF", "SSCC"])
 def test_low_vibrations_between_simply_supported_edges_do_not_depend_on_the_highest(letters):
     """Polynomials of degree 60 and 180 across a half-wave. Without the highest of them errors are 1e-4."""
@@ -355,6 +356,7 @@ def test_plates_of_many_thicknesses_share_few_sets_of_modes():
     assert found[0] > 8 and found[-1] <= found[0] + 2
 
 
+@pytest.mark.slow
 def test_a_sweep_chooses_the_effects_of_an_impact_once(monkeypatch: pytest.MonkeyPatch):
     plate = fm.Plate(
         "aluminium 6061-T6", "4 mm", size=["200 mm", "200 mm"], edges="clamped", position=["70 mm", "55 mm"]
@@ -400,6 +402,7 @@ def test_components_along_eigenvectors():
     np.testing.assert_allclose(found[1][0] * found[1][1], (seen @ vectors) * (other @ vectors), rtol=1e-8)
 
 
+@pytest.mark.slow
 def test_the_lowest_vibrations_are_as_exact_as_the_highest():
     """Against the largest eigenvalues of the inverse, which `eigh` finds to rounding; of the matrix it does not."""
     strip, highest = panel("CFFF", (30.0, 1.0)), 300.0
@@ -415,6 +418,7 @@ def test_the_lowest_vibrations_are_as_exact_as_the_highest():
     assert abs(np.linalg.eigvalsh(energy)[:4] / exact - 1.0).max() > 1e-8
 
 
+@pytest.mark.slow
 def test_the_same_bits_on_any_number_of_processors():
     code = (
         "from film_model.targets.ritz import Panel, panel_modes\n"

@@ -95,6 +95,7 @@ def test_target_and_relative_velocity_are_drawn_where_the_target_moves(stem: str
     assert {line.get_linestyle() for line in speed.lines if len(line.get_xdata()) > 2} == strokes
 
 
+@pytest.mark.slow
 @combinations(
     stem=["tungsten_carbide_on_steel", "steel_ball_on_rod", "two_steel_balls"],
     changes=[

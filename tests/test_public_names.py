@@ -7,6 +7,7 @@ import json
 from pathlib import Path
 
 import public_names
+import pytest
 
 import film_datasets as fd
 import film_model as fm
@@ -36,5 +37,6 @@ def test_files_of_earlier_versions_are_read():
     assert [fd.validate(ds) for ds in early] == [[]] * len(early)
 
 
+@pytest.mark.slow
 def test_published_files_are_read():
     assert not [problems for name in fd.published() if (problems := fd.validate(fd.load(name)))]

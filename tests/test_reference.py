@@ -98,6 +98,7 @@ def test_meyer_closed_form(exponent):
     assert got["time_of_maximum_indentation"] == pytest.approx(time, rel=1e-13)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("law", LAWS, ids=repr)
 @pytest.mark.parametrize("velocity", [0.004, 0.05, 0.25, 2.0])
 def test_quadrature_and_integration_agree(law, velocity):

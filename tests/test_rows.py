@@ -169,6 +169,7 @@ def test_weight_counts_where_it_counts_alone(law):
         assert np.isnan(result.summary["rebound_velocity"][row]) == (rebound is None)
 
 
+@pytest.mark.slow
 @combinations(
     law=["auto", "hertz", "meyer", "stronge", "yigit-christoforou", "tabulated", "tsuji"],
     target=["half-space", "plate", "thin plate", "rod"],

@@ -107,6 +107,7 @@ def test_round_trip(name: str) -> None:
     assert hash(scene) == hash(Scene.from_text(scene.to_toml()))
 
 
+@pytest.mark.slow
 @pytest.mark.random
 @given(st.floats(1e-9, 1e2), st.just(0.0) | st.floats(1e-100, 1e4), st.floats(1, 1e14), st.text())
 def test_round_trip_of_any_numbers(radius: float, velocity: float, modulus: float, title: str) -> None:

@@ -117,6 +117,7 @@ BEAM = fm.Beam(STEEL, "300 mm", "20 mm", "8 mm", ("clamped", "free"), damping_ra
 GIVEN = {"frequency": ["180 Hz", "410 Hz", "2 kHz"], "modal_mass": ["0.9 kg", "1.4 kg", "0.2 kg"]}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("law", ["hertz", "auto", {"law": "tsuji", "restitution": 0.8}])
 @pytest.mark.parametrize(
     "target",
@@ -141,6 +142,7 @@ def test_one_contact_is_the_impact_of_simulate(target, law):
     assert motion.values["final_velocity"][0] == pytest.approx(there, abs=0.5 * allowed)
 
 
+@pytest.mark.slow
 def test_balls_at_symmetric_points_have_the_same_motion():
     places = {"left": ("60 mm", "50 mm"), "right": ("140 mm", "100 mm")}
     ball = {**BALL, "velocity": "0.5 m/s"}
@@ -153,6 +155,7 @@ def test_balls_at_symmetric_points_have_the_same_motion():
     assert np.abs(sensed[0] - sensed[1]).max() < 1e-9 * np.abs(sensed).max()
 
 
+@pytest.mark.slow
 def test_a_stop_is_touched_when_the_structure_has_crossed_the_gap():
     sensors = {"stop": ("95 mm", "85 mm")}
     ball = {**BALL, "velocity": "0.5 m/s"}
@@ -195,6 +198,7 @@ def test_rows_in_front_and_behind_are_where_their_velocities_bring_them():
     assert abs(motion.energy.error) < 1e-5 * motion.energy.kinetic_before and motion.energy.weight > 0.0
 
 
+@pytest.mark.slow
 def test_files_pictures_and_datasets(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "cover.toml").write_text(FILE, encoding="utf-8")

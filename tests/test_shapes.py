@@ -135,6 +135,7 @@ def test_derivatives_are_those_of_the_power():
     assert history.derivatives.of("maximum_force", "impactor.half_angle").magnitude == pytest.approx(wanted, rel=1e-6)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("shape", "target"),
     [pytest.param(CONE, {}, marks=pytest.mark.slow), ({"radius": "10 mm"}, {"second_radius": "5 mm"})],

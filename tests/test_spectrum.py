@@ -149,6 +149,7 @@ def test_struck_plate():
         responses(clamped, np.array([1e7]))
 
 
+@pytest.mark.slow
 def test_command(tmp_path, capsys):
     _, target = chain(tmp_path)
     path, picture, table = (tmp_path / name for name in ("scene.toml", "spectrum.png", "spectrum.csv"))

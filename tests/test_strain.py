@@ -119,6 +119,7 @@ def struck():
     return fm.simulate(fm.Scene(ball, target, fm.Contact("hertz"), QUIET), accuracy=3e-3)
 
 
+@pytest.mark.slow
 def test_histories_files_and_sweeps(struck, tmp_path):
     peaks = struck.sensor_peaks
     assert "maximum_strain_x" not in peaks["b"]

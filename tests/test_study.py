@@ -241,6 +241,7 @@ def test_untimed_methods_are_not_compared():
     assert done.beaten() == []
 
 
+@pytest.mark.slow
 def test_an_accuracy_that_no_setting_reaches_is_reported(monkeypatch):
     monkeypatch.setattr(methods, "SEGMENTS", (1, 2))
     done = cost.study(paper("tungsten_carbide_on_steel"), methods=["FILM", "quadrature"])
@@ -248,6 +249,7 @@ def test_an_accuracy_that_no_setting_reaches_is_reported(monkeypatch):
     assert "Error 1e-06, single impact: reached by quadrature, not by FILM, work-preserving" in done.beaten()
 
 
+@pytest.mark.slow
 def test_a_missing_library_is_reported(capsys, monkeypatch):
     import sys
 

@@ -247,4 +247,4 @@ def test_interrupted_while_the_output_is_created_and_resumed(tmp_path, monkeypat
 @pytest.mark.slow
 @pytest.mark.parametrize(("suffix", "workers"), [("nc", 1), ("nc", 2), ("zarr", 1), ("zarr", 2)])
 def test_interrupted_at_any_moment_and_resumed(tmp_path, monkeypatch, suffix, workers):
-    interrupt_and_resume(tmp_path, monkeypatch, suffix, workers, np.linspace(0.0, 0.9999, 50))
+    interrupt_and_resume(tmp_path, monkeypatch, suffix, workers, np.linspace(0.0, 0.9999, 20))

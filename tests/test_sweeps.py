@@ -496,6 +496,7 @@ def test_a_damped_contact_that_does_not_end_has_no_dent() -> None:
     assert fm.simulate(thin).summary["permanent_indentation"] is None
 
 
+@pytest.mark.slow
 def test_all_impacts_are_sampled_at_once() -> None:
     """As each by itself from its segments; of a selection, of zipped and of failed impacts too."""
     ds = fd.sweep(BALL, {**SPEEDS, "contact.law": ["hertz", "stronge"]}, keep="segments")

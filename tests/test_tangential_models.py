@@ -36,6 +36,7 @@ def test_how_far_the_models_are_off(page, name, largest, at):
     assert abs(off[0]) == pytest.approx(largest, abs=0.011)
 
 
+@pytest.mark.slow
 def test_the_steps_of_the_models_are_small_enough():
     before = np.linspace(0.05, 6.0, 60)
     for spring in SPRINGS.values():

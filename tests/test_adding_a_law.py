@@ -39,6 +39,7 @@ def bilinear(tmp_path, monkeypatch):
     return law
 
 
+@pytest.mark.slow
 def test_it_is_simulated_and_exact(bilinear):
     scene = gallery_scene("bilinear")
     history = fm.simulate(scene, accuracy=1e-9)

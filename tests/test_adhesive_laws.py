@@ -69,6 +69,7 @@ def exact(law, velocity, impedance=math.inf):
     return force_of(law, found.y_events[0][0][0]), found.t_events[0][0], found.t_events[1][0], found.y_events[1][0][1]
 
 
+@pytest.mark.slow
 def test_the_tension_is_that_of_force_control():
     for name, factor in (("jkr", 1.5), ("dmt", 2.0)):
         law = LAWS[name]
@@ -106,6 +107,7 @@ def test_below_the_sticking_velocity_it_stays():
     assert fm.simulate(scene(times=1.0001)).outcome is fm.Outcome.SEPARATED
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("law", ["jkr", "dmt"])
 @pytest.mark.parametrize(
     ("target", "times"), [("half-space", 1.5), ("half-space", 20.0), ("20 um", 8.0), ("60 um", 4.0)]
@@ -345,6 +347,7 @@ def test_dents_in_steps_batches_and_sweeps(target):
     assert swept == pytest.approx(np.array(alone), rel=1e-3)
 
 
+@pytest.mark.slow
 def test_a_dataset_keeps_the_way_back():
     import film_datasets as fd
 

@@ -21,6 +21,7 @@ from film_model.problem.curve import curve_of
 from film_model.solve.history import SUMMARY
 
 
+@pytest.mark.slow
 @combinations(law=LAWS, target=["half-space", "plate", "thin plate", "body"], fast=8)
 def test_batch_keeps_its_accuracy_for_every_impact(law, target):
     speeds = np.geomspace(0.12 if target == "body" else 0.02, 1.5, 37)
@@ -269,6 +270,7 @@ def test_batch_kernel_is_as_accurate_as_the_march_on_moving_targets(law):
         assert (differences(batch[done], one[done], start[done]) <= 1.1 * error).all()
 
 
+@pytest.mark.slow
 @combinations(law=["hertz", "meyer", "big-alabo", "stronge", "jackson-green"], load=[0.001, 0.02], fast=4)
 def test_contacts_under_a_load_in_lanes_converge_to_the_march(law, load):
     """With the order of lines; the slowest, which the load nearly turns back, have up to 10 times the march's error."""
@@ -474,6 +476,7 @@ def test_samples_of_many_contacts_are_those_of_each_to_the_last_bit(monkeypatch,
                 assert values[:, row].tobytes() == each.T.tobytes(), (law.name, row)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("load", [0.0, 0.01])
 @pytest.mark.parametrize("law", DAMPED)
 def test_damped_contacts_in_lanes_agree_with_the_march(law, load):

@@ -182,6 +182,7 @@ def test_a_large_error_of_the_omitted_vibrations_is_told():
     assert 1e-4 < found.vibration.target_error < found.accuracy.estimated < 1e-2
 
 
+@pytest.mark.slow
 def test_a_strip_of_plate_has_the_beams_first_frequencies():
     steel = fm.Material("steel", "210 GPa", 0.0, "7850 kg/m^3")  # without Poisson's ratio the strip bends as the beam
     for ends in ("simply supported", "clamped", "cantilever", ["clamped", "simply supported"], "free"):

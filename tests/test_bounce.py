@@ -183,6 +183,7 @@ def test_a_later_contact_that_fails_ends_the_series():
     assert bounces.outcome in bounces.warnings
 
 
+@pytest.mark.slow
 def test_a_free_plate_moves_away():
     """Its first contact ends while the ball still moves in."""
     plate = fm.Plate("mild steel", thickness="1 mm", size=["60 mm", "60 mm"], edges="free")
@@ -267,6 +268,7 @@ def test_the_picture_is_parabolas_of_the_heights():
     assert bounces.plot().axes[0].get_xlabel() == "time (ms)"
 
 
+@pytest.mark.slow
 def test_a_ball_with_spin_is_turned_at_every_bounce(tmp_path):
     """The first bounce is the impact's; the angular momentum about the contact, V − 2/5 R spin, stays at every one."""
     ball = fm.Sphere(radius="5 mm", drop_height="20 mm", material="bearing steel", spin="300 rad/s")

@@ -306,6 +306,7 @@ def test_a_command_is_parsed_alike_with_and_without_the_others():
             assert own[command].format_help() == every[command].format_help()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("code", "unneeded"),
     [

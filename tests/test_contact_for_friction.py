@@ -54,6 +54,7 @@ def test_the_springs_have_the_stiffness_of_the_scene(lammps, scene):
     assert f"ks={2.0 * linear.values['kn'] / ratio:.6g}" in linear.paste() and "frictionAngle=0.09174" in linear.paste()
 
 
+@pytest.mark.slow
 def test_how_far_each_model_of_friction_is_off(lammps):
     """Largest and rms difference in ψ₂ up to 4χ; the order of the models is that of docs/oblique.md."""
     found = lammps["hertz"].tangential

@@ -83,6 +83,7 @@ def test_interval_holds_as_often_as_it_says(bracket):
     assert (held >= 31).all()
 
 
+@pytest.mark.slow
 def test_several_contacts(bracket, tmp_path):
     """A heavy hammer hits five times; velocities do as well."""
     _, history, times, _ = bracket
@@ -98,6 +99,7 @@ def test_several_contacts(bracket, tmp_path):
     assert found.impulse[0] == pytest.approx(0.020 * (0.3 - impact.summary["rebound_velocity"]), rel=0.05)
 
 
+@pytest.mark.slow
 def test_wrong_vibrations_are_doubted(bracket, tmp_path):
     """Frequencies that are 1 % off, and exchanged sensors: the residual is far above the noise and no noise."""
     _, history, times, moved = bracket

@@ -106,6 +106,7 @@ def test_a_flipped_bit_of_a_zarr_chunk_is_refused(tmp_path: Path, kind: str) -> 
     assert fd.check(path) == []
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("suffix", [".nc", ".zarr"])
 def test_a_changed_unit_is_refused_without_a_seal_too(tmp_path: Path, suffix: str) -> None:
     """Files of earlier versions have no seal."""
@@ -151,6 +152,7 @@ def test_changed_metadata_is_refused_by_everything_that_reads(
         assert f"{SEAL} does not match" in capsys.readouterr().err, command
 
 
+@pytest.mark.slow
 @KINDS
 def test_a_sealed_file_is_copied_with_a_seal_of_its_own(tmp_path: Path, kind: str) -> None:
     pytest.importorskip("zarr")
@@ -186,6 +188,7 @@ def test_the_script_of_bit_flips_finds_no_number_changed(capsys: pytest.CaptureF
         assert sum(map(int, counts)) == 10 and counts[2:] == ["0", "0"], kind
 
 
+@pytest.mark.slow
 def test_a_changed_dataset_is_written_with_its_own_hash(tmp_path: Path) -> None:
     ds = fd.to_dataset(fm.simulate(SCENE)).copy(deep=True)
     ds["maximum_force"] = ds["maximum_force"] * 1.5
@@ -198,6 +201,7 @@ def test_a_changed_dataset_is_written_with_its_own_hash(tmp_path: Path) -> None:
     assert fd.check(part) == ["attribute content_sha256 is missing", "variable impulse is missing"]
 
 
+@pytest.mark.slow
 def test_check_simulates_rows_again(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     path = sample("sweep", ".nc", tmp_path)
     assert main(["check", str(path)]) == 0
@@ -217,6 +221,7 @@ def test_a_later_version_is_refused(tmp_path: Path) -> None:
         fd.read(fd.write(ds, tmp_path / "later.nc"))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", ["link", "soft link", "virtual", "external"])
 def test_a_file_that_leads_to_another_one_is_refused(tmp_path: Path, kind: str) -> None:
     path = sample("sweep", ".nc", tmp_path)
@@ -241,6 +246,7 @@ def test_a_file_that_leads_to_another_one_is_refused(tmp_path: Path, kind: str) 
         fd.open(path)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", ["link", "loop"])
 def test_a_file_with_groups_is_refused(tmp_path: Path, kind: str) -> None:
     """The netCDF library follows links in groups, and groups that hold themselves without end."""
@@ -267,6 +273,7 @@ def test_a_zarr_folder_that_cannot_be_written_leaves_nothing(tmp_path: Path, mon
     assert not list(tmp_path.iterdir())
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="pipes")
 @pytest.mark.parametrize("kind", ["link", "pipe"])
 def test_a_zarr_folder_that_leads_elsewhere_is_refused(tmp_path: Path, kind: str) -> None:

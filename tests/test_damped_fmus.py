@@ -90,6 +90,7 @@ def test_the_restitution_can_be_set_after_export(made, name, exported, restituti
         assert float(ds[key]) == pytest.approx(summary[key], rel=1e-10), key
 
 
+@pytest.mark.slow
 @combinations(name=GIVEN, version=[2, 3], fast=1)
 def test_the_restitution_of_a_contact_and_of_model_exchange(made, name, version):
     forces = []
@@ -129,6 +130,7 @@ def test_mass_velocity_radius_and_modulus_set_together_on_a_plate(made, name):
             assert float(ds[key]) == pytest.approx(summary[key], rel=1e-12), key
 
 
+@pytest.mark.slow
 def test_restitution_is_relative_to_the_velocity_before_first_touch(made):
     """A dashpot's force jumps at first touch and moves a rod's end at once: the approach velocity is that before it."""
     on = fmu_wrapper.served(scene("linear-dashpot", "rod"))
@@ -247,6 +249,7 @@ def test_a_contact_resumes_within_its_dent_after_its_force_was_zero(made, name, 
     assert found[0] == pytest.approx(found[1], rel=1e-4)
 
 
+@pytest.mark.slow
 @combinations(name=DAMPED, version=[2, 3])
 def test_model_exchange_remembers_the_force_before_an_input_jumps(made, name, version):
     """The importer changes the support velocity in Event Mode: most of the damping force vanishes."""
@@ -326,6 +329,7 @@ def test_directional_derivatives_by_velocity(made, name, version):
         assert derive([reference("contact_force")], [reference("relative_velocity")], [1.0])[0] == 0.0
 
 
+@pytest.mark.slow
 @combinations(name=DAMPED, target=["half-space", "plate"], version=[2, 3])
 def test_the_force_follows_the_support_velocity_before_the_step(made, name, target, version):
     """For importers that iterate between FMUs at one time: the force and its derivatives use the same inputs."""
@@ -350,6 +354,7 @@ def test_the_force_follows_the_support_velocity_before_the_step(made, name, targ
         assert slave.get(names)["contact_force"] == 0.0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", ["impact", "contact"])
 def test_the_description_names_what_the_force_depends_on(made, kind):
     def dependencies(name, variable):

@@ -115,6 +115,7 @@ def test_high_precision_integrates_damped_laws(law, target):
         assert found["coefficient_of_restitution"] == pytest.approx(LAWS[law].restitution, rel=rel)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("target", ["half-space", "plate", "thin plate"])
 @pytest.mark.parametrize("name", DAMPED)
 def test_the_march_agrees_with_an_integrator(name, target):
@@ -334,6 +335,7 @@ def test_a_weight_that_turns_the_ball_soon_after_its_release(segments):
     assert -faster.summary["rebound_velocity"] == pytest.approx(leaving, rel=1e-3)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", DAMPED)
 def test_a_ball_bounces_lower_each_time_and_comes_to_rest(name):
     ball = scene(name)
@@ -347,6 +349,7 @@ def test_a_ball_bounces_lower_each_time_and_comes_to_rest(name):
         assert component.outputs.contact_force == pytest.approx(MASS * 9.80665, rel=1e-12)
 
 
+@pytest.mark.slow
 @combinations(load=[300.0, 3000.0], name=["linear-dashpot", "tsuji", "kuwabara-kono"], fast=1)
 def test_a_contact_resumes_within_its_dent_under_a_load(name, load):
     """A load reverses the ball before the indentation returns to 0; F = max(f + c δ̇, 0) throughout."""

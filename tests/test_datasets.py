@@ -44,6 +44,7 @@ def dataset(history: fm.History) -> xr.Dataset:
     return fd.to_dataset(history)
 
 
+@pytest.mark.slow
 @EVERY_SCENE
 def test_dataset_has_what_the_history_has(path: Path) -> None:
     history = fm.simulate(fm.Scene.from_toml(path))
@@ -158,6 +159,7 @@ def test_missing_summary_values_are_nan(stem: str, changes: dict[str, str], coun
     assert missing == [name for name in SUMMARY if np.isnan(ds[name])]
 
 
+@pytest.mark.slow
 def test_netcdf_gives_back_the_dataset(dataset: xr.Dataset, tmp_path: Path) -> None:
     back = fd.read(fd.write(dataset, tmp_path / "impact.nc"))
     assert back.identical(dataset)
@@ -189,6 +191,7 @@ def test_segments_give_the_state_at_any_time(path: Path, tmp_path: Path) -> None
     np.testing.assert_allclose(speed, expected.impactor_velocity, rtol=0, atol=1e-12 * np.abs(speed).max())
 
 
+@pytest.mark.slow
 def test_a_custom_law_is_named_in_the_dataset(tmp_path: Path) -> None:
     scene = fm.Scene.from_toml(TUNGSTEN)
     law = fm.Hertz(effective_modulus=1e11, radius=0.01)
@@ -199,6 +202,7 @@ def test_a_custom_law_is_named_in_the_dataset(tmp_path: Path) -> None:
     assert "100000000000.0" in ds.attrs["contact_law"]
 
 
+@pytest.mark.slow
 def test_same_input_gives_the_same_bytes(history: fm.History, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     contents = set()
     for name, epoch in (("a", "1000000000"), ("b", "1000000000"), ("c", "1000000001")):

@@ -628,6 +628,7 @@ def test_explain_draws_a_map(capsys, tmp_path):
     assert picture.read_text(encoding="utf-8") == first
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("stem", [path.stem for path in sorted(SCENES.glob("*.toml"))])
 def test_every_scene_has_its_place_on_the_map(stem):
     from film_model.plot import plot_regimes

@@ -153,6 +153,7 @@ def test_lanes_unload_each_by_its_own_law(gamma):
             assert table[name][row] == pytest.approx(getattr(one, name), rel=close, abs=1e-12), (row, name)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("target", ["half-space", "plate"])
 def test_strength_and_hardening_vary_together_as_each_alone(target):
     base = scene("hertz", target).replace({"contact.law": "elastoplastic"})

@@ -24,6 +24,7 @@ def law_of(strain, ratio=0.3):
     return fm.JacksonGreen(*SPHERE, strain * SPHERE[0], ratio)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("ratio", [0.0, 0.3, 0.45])
 def test_curves_of_a_family_are_the_law(ratio):
     """Force, work by the force's integral, and the end, between the nodes of every page."""

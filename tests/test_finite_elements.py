@@ -41,6 +41,7 @@ def test_an_elastic_ball_rebounds_by_hertz():
     assert abs(found["energy"]["plastic"]) == 0.0
 
 
+@pytest.mark.slow
 @needs_gcc
 def test_a_ball_that_dents_agrees_with_the_published_run_on_a_finer_mesh():
     ds = fd.load("finite_element_impacts").isel(run=run.TABLE.index(100.0))
@@ -257,6 +258,7 @@ def test_the_constant_of_two_bodies_is_as_good_as_the_fitted_one():
         assert np.abs(values).max() < np.abs(refitted[name]).max() + 3e-3, name
 
 
+@pytest.mark.slow
 def test_pairs_without_hardening_are_simulated_by_the_law():
     """Together, from the materials of both bodies: within the errors of `fit.predicted`; and as each alone."""
     ds = fd.load("finite_element_pairs")

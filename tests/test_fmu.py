@@ -68,6 +68,7 @@ def test_validators_find_no_problem(made, version, kind, law):
     assert complaints == []
 
 
+@pytest.mark.slow
 @VERSIONS
 def test_every_variable_has_a_unit_and_a_description(made, version):
     with zipfile.ZipFile(made(ball(), version)) as archive:
@@ -197,6 +198,7 @@ def test_bounces_with_a_gap_and_gravity(made, version, size):
         assert at + touch == pytest.approx(event.time, rel=1e-11)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("mode", ["steps", "events"])
 def test_the_summary_of_a_run_is_that_of_all_contacts(made, mode):
     """A ball that is pressed on a half-space touches it five times; each contact is the component's."""
@@ -257,6 +259,7 @@ def test_a_support_that_moves(made, version):
         assert float(final[name]) == pytest.approx(ours, rel=1e-11, abs=1e-11 * float(np.abs(ds[name]).max())), name
 
 
+@pytest.mark.slow
 @combinations(law=["hertz", "stronge", "linear-dashpot", "tsuji"], version=[2, 3])
 def test_the_largest_force_survives_a_jump_of_the_support_velocity(made, version, law):
     on = dataclasses.replace(scene(law), effects=fm.Effects(gravity=False))
@@ -345,6 +348,7 @@ def test_a_ball_at_rest_under_its_weight(made):
     assert len({finding.what for finding in report.findings}) == len(report.findings)
 
 
+@pytest.mark.slow
 @combinations(velocity=["0 m/s", "1 nm/s"], fast=1)
 def test_a_ball_at_rest_on_a_half_space(made, velocity):
     """The ball returns to first touch with velocity 0: whether it separates there is decided by rounding."""
@@ -441,6 +445,7 @@ def test_a_run_lists_unmodelled_effects(made):
 # ---------------------------------------------------------------- saving, instances, memory, paths
 
 
+@pytest.mark.slow
 @VERSIONS
 def test_rollback_at_random_moments(made, version):
     rng = random.Random(version)
@@ -698,6 +703,7 @@ def gradient(slave, unknown, known):
     return derive([reference(unknown)], [reference(known)], [1.0])[0]
 
 
+@pytest.mark.slow
 @VERSIONS
 def test_directional_derivatives(made, version):
     with opened(made(ball(), version, kind="contact")) as fmu, started(fmu, False, {}) as slave:
@@ -720,6 +726,7 @@ def test_directional_derivatives(made, version):
         assert gradient(slave, "impactor_acceleration", "indentation") == pytest.approx(-stiffness / 0.06074)
 
 
+@pytest.mark.slow
 @combinations(
     law=["hertz", "big-alabo", "stronge", "saturating", "linear-dashpot", "tsuji", "hunt-crossley", "kuwabara-kono"],
     version=[2, 3],
@@ -745,6 +752,7 @@ def test_the_contact_alone_follows_the_path_of_an_impact(made, law, version):
     assert after["permanent_indentation"] == pytest.approx(history["permanent_indentation"], rel=1e-6, abs=1e-15)
 
 
+@pytest.mark.slow
 @combinations(law=["hertz", "big-alabo", "tsuji"], fast=1)
 def test_the_contact_of_two_free_bodies(made, law):
     """Two masses integrated by the importer separate with the velocities of the library."""
@@ -798,6 +806,7 @@ def test_command_line(capsys, tmp_path, monkeypatch):
     assert main(["check-fmu", "contact.fmu"]) == 0
 
 
+@pytest.mark.slow
 def test_check_finds_a_changed_force(made, tmp_path):
     """A force scale that differs from the scene's by 1e-6 is found by `check`."""
     source, forged = made(ball()), tmp_path / "forged.fmu"

@@ -27,6 +27,7 @@ def ball(velocity="0.25 m/s", **changes):
     return fm.Scene.from_toml(BALL).replace(own | changes)
 
 
+@pytest.mark.slow
 @combinations(exported=["5 mm/s", "0.25 m/s"], velocity=["0.01 m/s", "0.25 m/s", "20 m/s"], version=[2, 3], fast=6)
 def test_the_velocity_of_the_export_does_not_matter(made, exported, velocity, version):
     ds = fmu_wrapper.run(
@@ -66,6 +67,7 @@ def test_the_weight_is_a_parameter_with_its_true_value(made):
         assert slave.get(("gravity",)) == {"gravity": 9.80665}
 
 
+@pytest.mark.slow
 @combinations(version=[2, 3], fast=2)
 def test_an_elastic_law_beyond_yield_is_said(made, version):
     path = made(ball("0.02 m/s", **{"contact.law": "hertz"}), version)
@@ -100,6 +102,7 @@ def test_a_contact_reports_the_indentation_that_it_reached(made):
         assert len(fmu.notices) == 2 and fmu.messages == []
 
 
+@pytest.mark.slow
 @combinations(version=[2, 3], fast=2)
 def test_a_velocity_at_which_a_neglected_effect_matters_is_said(made, version):
     """Adhesion stops slow impactors; the limit is where the library begins to warn."""
@@ -131,6 +134,7 @@ def test_segments_serve_slow_and_fast_impacts(made):
     assert counts[0]["loading_segments"] >= 12 and counts[0] == counts[1]
 
 
+@pytest.mark.slow
 def test_every_first_touch_is_judged_by_its_own_velocity(made):
     """Whatever causes it: the initial velocity, the support, a force; a start at rest is no impact."""
     path = made(ball("0.3 m/s", **{"contact.work_of_adhesion": "50 J/m^2"}))
@@ -148,6 +152,7 @@ def test_every_first_touch_is_judged_by_its_own_velocity(made):
         assert ("at first touch of contact 1" in ds.attrs["warnings"]) == bool(expected)
 
 
+@pytest.mark.slow
 @combinations(version=[2, 3], fast=2)
 def test_a_later_contact_that_is_too_slow_is_said(made, version):
     """The ball bounces under its weight until adhesion would hold it."""

@@ -272,6 +272,7 @@ def test_energies_are_those_of_the_history(made):
     assert found["target_energy"] == pytest.approx(history.summary["energy_radiated"], rel=1e-10)
 
 
+@pytest.mark.slow
 @combinations(law=["hertz", "big-alabo", "stronge", "tsuji"], version=[2, 3], fast=2)
 def test_a_contact_follows_the_force_of_an_impact_and_the_check_covers_its_memory(made, law, version):
     """Loading and unloading as in the library's impact; the check adds a second contact in the dent."""

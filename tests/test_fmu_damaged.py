@@ -55,6 +55,7 @@ def test_a_truncated_binary_does_not_kill_python(whole, tmp_path, capsys, versio
     refused(path, capsys, f"binaries/{where}/", "cannot be loaded")
 
 
+@pytest.mark.slow
 @VERSIONS
 def test_damaged_entries(whole, tmp_path, capsys, version):
     source = whole(version)

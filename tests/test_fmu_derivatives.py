@@ -178,6 +178,7 @@ def test_what_happened_does_not_depend_on_inputs_and_states_of_now(made, version
 # ---------------------------------------------------------------- by parameters
 
 
+@pytest.mark.slow
 @combinations(law=sorted(LAWS), target=["half-space", "plate"], fraction=[0.3, 1.0], version=[2, 3], fast=2)
 def test_by_parameters_of_what_an_impact_left(made, law, target, fraction, version):
     """In contact and after it: against differences of runs with other parameters."""

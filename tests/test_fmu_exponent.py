@@ -41,6 +41,7 @@ def test_an_exponent_after_export_is_a_new_scene(made, name, exponent, target, v
         assert float(ds[key]) == pytest.approx(history.summary[key], rel=1e-10), key
 
 
+@pytest.mark.slow
 @combinations(name=CONTACTS, version=[2, 3], fast=2)
 def test_an_exponent_of_a_contact(made, name, version):
     forces = []

@@ -262,6 +262,7 @@ def test_a_step_that_is_not_accepted_leaves_the_springs(made, version):
         assert slave.get(OUTPUTS) == later != now
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("exchange", [True, False])
 @pytest.mark.parametrize("part", [0.1, 0.3, 0.6, 0.9])
 def test_derivatives_are_differences_where_what_slips_slips_on(made, exchange, part):

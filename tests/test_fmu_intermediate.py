@@ -74,6 +74,7 @@ def test_inputs_set_in_the_step_are_followed_to_second_order(made):
     assert found[None][-1] > 0.05 and found[case.importer][-1] < 5e-5
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("slows_down", [True, False])
 def test_a_moving_support_turns_the_motion_a_few_times(made, slows_down):
     """At maximum indentation its velocity must stay, or it would turn the motion again and again at the same time."""

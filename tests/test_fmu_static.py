@@ -56,6 +56,7 @@ def test_parameters_after_export_are_a_new_scene(made, law, changed):
         assert float(ds[name]) == pytest.approx(history.summary[name], rel=1e-10), name
 
 
+@pytest.mark.slow
 def test_the_parameters_that_there_are(made):
     with opened(made(on_a_beam("hertz"))) as fmu:
         names = start_values(fmu.data)
@@ -119,6 +120,7 @@ def test_a_state_is_restored_in_another_instance_with_its_spring(made):
         slave.instance.freeFMUState(saved)
 
 
+@pytest.mark.slow
 def test_faster_impacts_make_the_target_vibrate_and_validity_says_so(made):
     """A heavy ball on a small plate follows it statically; a fast one does not."""
     ball = fm.Sphere(radius="10 mm", mass="400 kg", velocity="0.01 m/s", material="mild steel")

@@ -46,6 +46,7 @@ def test_stresses_are_those_of_the_summary(made, law, velocity, version):
         assert expected["dent_diameter"] == 2.0 * expected["contact_radius"] and expected["peak_pressure"] == 0.0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("softer", ["ball", "target"])
 def test_stresses_of_two_materials(made, softer):
     bodies = [
@@ -60,6 +61,7 @@ def test_stresses_of_two_materials(made, softer):
     assert same(reported(made(on, 3), history), history.summary)["dent_diameter"] > 0.0
 
 
+@pytest.mark.slow
 @combinations(
     law=["jackson-green", "big-alabo", "hertz"],
     changed=[{"radius": 0.006}, {"effective_modulus": 9e10}, {"yield_strength": 6e8}],
@@ -77,6 +79,7 @@ def test_stresses_after_a_change_of_parameters(made, law, changed):
     same(reported(made(on), history, changed), history.summary)
 
 
+@pytest.mark.slow
 def test_a_contact_reports_them_too(made):
     on = scene("big-alabo", velocity=1.0)
     history = fm.simulate(replace(on, effects=fm.Effects(gravity=False, target_motion=False)))
@@ -95,6 +98,7 @@ def test_a_contact_reports_them_too(made):
     assert found["contact_radius"] > 0.0 and found["dent_diameter"] > 0.0 and found["mean_pressure"] > 1e9
 
 
+@pytest.mark.slow
 def test_a_run_has_them_in_its_dataset(made):
     for law, velocity, mode in (("hertz", 0.25, "steps"), ("big-alabo", 3.0, "events")):
         on = scene(law, velocity=velocity)

@@ -125,6 +125,7 @@ def test_two_bodies_under_a_plain_master_couple_to_second_order(made):
     assert errors[-1] < 1e-4 * on.approach_velocity
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("version", [2, 3])
 @pytest.mark.parametrize("law", ["hertz", "tsuji"])
 def test_rates_of_outputs_are_their_differences(made, version, law):

@@ -37,6 +37,7 @@ def changed_and_started(fmu, changes, later, end, names, start):
         return found, slave.get(names)
 
 
+@pytest.mark.slow
 @VERSIONS
 @pytest.mark.parametrize(("name", "value"), [("gravity", 3e3), ("friction", 0.05), ("restitution", 0.5)])
 def test_a_change_acts_as_the_same_scene_started_there(made, version, name, value):

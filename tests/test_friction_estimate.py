@@ -104,6 +104,7 @@ def test_the_estimates_of_a_batch_bound_their_errors(law):
     assert np.mean(few.regime == most.regime) >= 0.97
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("law", ["stronge", "jackson-green"])
 def test_few_springs_follow_contacts_whose_force_or_radius_has_a_kink_where_they_yield(law):
     few, most, before = few_and_most(law)

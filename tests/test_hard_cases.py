@@ -230,6 +230,7 @@ def test_an_endless_oscillation_ends_with_a_status():
     assert native.impact(curve, mesh, start)[0] == native.TOO_MANY
 
 
+@pytest.mark.slow
 def test_a_ball_that_swings_under_its_weight_takes_bounded_work():
     """It is refined no further than to half a million lines, and says so."""
     steel = {

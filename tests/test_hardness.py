@@ -194,6 +194,7 @@ def restitution(found, **strength):
     return history.summary["coefficient_of_restitution"]
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore::film_model.ImpactWarning")
 def test_what_a_yield_strength_alone_is_worth():
     """The numbers of the note BY_YIELD_STRENGTH. Lead is beyond the law with its yield strength."""

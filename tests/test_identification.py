@@ -156,6 +156,7 @@ def test_material_parameters_and_plates(tmp_path: Path) -> None:
     assert set(found.residual) == {"contact_force", "impactor_velocity"}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("fit", "lost", "reason"),
     [

@@ -32,6 +32,7 @@ def test_a_scene_file_runs_everywhere(law, target):
         assert batch.summary[name][1] == pytest.approx(history.summary[name], rel=2e-6)
 
 
+@pytest.mark.slow
 @combinations(target=["half-space", "plate"], law=[name for name in LAWS if name not in ("big-alabo-printed", *DAMPED)])
 def test_the_march_agrees_with_answers_that_do_not_use_the_core(law, target):
     for velocity in (0.02, 0.25):

@@ -81,6 +81,7 @@ def test_the_largest_force_of_an_impact(deflection, edges, slides):
     assert force == pytest.approx(exact, rel=0.1)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("ratio", [0.0, 0.02])
 def test_the_core_against_an_integrator(ratio):
     """Three modes with any forms: displacements and energy, and a record that is the motion itself."""

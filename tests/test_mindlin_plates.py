@@ -208,6 +208,7 @@ def test_what_is_not_known_is_refused():
         choose(infinite)
 
 
+@pytest.mark.slow
 def test_sweeps_components_and_derivatives_follow_the_same_plate():
     scene = ball_on(steel_plate(10, edges=C, theory="mindlin"), 0.3)
     velocities = np.linspace(0.5, 1.5, 40)

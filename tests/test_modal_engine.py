@@ -73,6 +73,7 @@ def test_the_papers_plate_to_six_digits():
     assert events["contact_ends"] == pytest.approx(195.265e-6, rel=1e-5)
 
 
+@pytest.mark.slow
 def test_the_flat_maximum_takes_no_more_modes(monkeypatch):
     """At 1e-6 the time of the maximum alone would take twice as many. It is within 1e-5, all else within 1e-6, of a run
     on 12,000 modes with short steps; the last run is recorded at once."""

@@ -231,6 +231,7 @@ def test_check_fmu_on_the_command_line(made, capsys):
     assert '"vibrations"' in capsys.readouterr().out
 
 
+@pytest.mark.slow
 def test_a_run_has_the_summary_of_all_contacts_on_the_vibrating_target(made):
     """As a history has: the largest force, the velocity after the last contact, the duration of the first."""
     plate = fm.Plate("structural steel S235", thickness="3 mm", size=["200 mm", "200 mm"])

@@ -135,6 +135,7 @@ DAMAGES = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("damage", "said"), DAMAGES.values(), ids=DAMAGES)
 def test_a_damaged_file_gets_one_sentence(history, damage, said):
     ds = damage(fd.to_dataset(history))
@@ -177,6 +178,7 @@ def test_impacts_that_are_followed_together():
             assert found == pytest.approx(exact, abs=2e-4 * np.abs(exact).max()), name
 
 
+@pytest.mark.slow
 def test_a_sweep_in_which_only_some_targets_vibrate():
     scene = on(RINGING, **{"solver.accuracy": 1e-3})
     targets = [{"kind": "half-space", "material": "mild steel"}, scene.to_table()["target"]]
@@ -245,6 +247,7 @@ def test_the_size_is_known_before(tmp_path, suffix):
     assert 1 / 1.3 < history / (asked.size * blocks.size.history) < 1.3
 
 
+@pytest.mark.slow
 def test_the_command_says_how_large_segments_are(tmp_path, capsys):
     (tmp_path / "scene.toml").write_text(on(RINGING).to_toml())
     speeds = '"impactor.velocity" = { from = "0.2 m/s", to = "1 m/s", count = 8 }'

@@ -175,6 +175,7 @@ def random_normals(count, seed):
     return normal, rng.uniform(1.6, 8.0, count), 10.0 ** rng.uniform(-8.0, 1.0, count)
 
 
+@pytest.mark.slow
 def test_random_impacts_end_and_retrace_what_had_stuck():
     """Friction takes energy, and a path that is followed back ends at first touch."""
     normal, rate, before = random_normals(3000, 3)
@@ -212,6 +213,7 @@ def of_hertz(count):
     return normal
 
 
+@pytest.mark.slow
 def test_the_table_of_hertz_and_its_cuts():
     """Over χ from 0.8 to 1.751, on both sides of ψ₁ = 1, 2χ and 4χ − 1, and for hardly any sliding velocity."""
     rng, count = np.random.default_rng(6), 500
@@ -314,6 +316,7 @@ def sprung(times, force, radius, chi, before, friction=((0.0, 1.0),)):
     return found.velocity, springs.SAFETY * found.error, found
 
 
+@pytest.mark.slow
 def test_springs_follow_the_exact_motion_within_their_estimate():
     """150 random impacts."""
     grip, rng = hertz_in_time(), np.random.default_rng(1)

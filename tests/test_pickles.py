@@ -37,6 +37,7 @@ def test_histories_and_components(scene: fm.Scene, way: Callable[[Any], Any]) ->
     assert component.step("30 us") == again.step("30 us")
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore::film_model.ImpactWarning")
 @pytest.mark.parametrize("way", WAYS.values(), ids=WAYS)
 def test_many_impacts(way: Callable[[Any], Any]) -> None:
@@ -94,6 +95,7 @@ def _instances() -> list[Any]:
     ]
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore::film_model.ImpactWarning")
 def test_every_exported_object_is_equal_to_its_copies() -> None:
     """Equal objects have the same hash, or none."""

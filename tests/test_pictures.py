@@ -38,6 +38,7 @@ def test_a_history_of_a_law_of_python_is_drawn_from_its_samples() -> None:
     assert top == pytest.approx(history.summary["maximum_force"], rel=1e-9)
 
 
+@pytest.mark.slow
 def test_points_of_a_measurement(tmp_path: Path) -> None:
     text = "time [us], force [kN], displacement [um]\n0, 0, 0\n10, 0.09, 2.4\n20, , 4.9\n"
     (tmp_path / "m.csv").write_text(text, encoding="utf-8")

@@ -285,6 +285,7 @@ def test_too_many_functions_are_refused_with_a_sentence():
         panel_modes(panel("SSCF"), (0.4, 0.3), 1e7)
 
 
+@pytest.mark.slow
 def test_similar_plates_share_their_vibrations():
     """Plates of other thickness are the same plate in other units, and a result does not depend on those before."""
     held = Panel(11.0, (300.0, 90.0, 250.0, 105.0), (0.3, 0.2), (WORDS["F"],) * 4, (1e4, 0.0, 2e4, 0.0), 1e6)
@@ -374,6 +375,7 @@ def test_a_sweep_chooses_the_effects_of_an_impact_once(monkeypatch: pytest.Monke
     assert times == 5 and (found.estimated < 1e-3).all()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("letters", ["CCCC", "SFSS", "FCFC", "CSCC"])
 @pytest.mark.parametrize("foundation", [1e5, 1e6, 1e8])
 def test_edges_that_are_far_on_the_bed_change_no_more_than_the_bound(letters, foundation):

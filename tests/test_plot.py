@@ -134,6 +134,7 @@ def test_of_many_contacts_only_the_ends_are_marked() -> None:
     assert len(uprights) == len(ends)
 
 
+@pytest.mark.slow
 def test_legends_lie_beside_the_curves() -> None:
     from matplotlib.backends.backend_agg import FigureCanvasAgg
 
@@ -153,6 +154,7 @@ def test_motion_without_contact_has_its_own_colour() -> None:
     assert NO_CONTACT not in (*COLOURS, UNLOADING)
 
 
+@pytest.mark.slow
 def test_styles(history: fm.History, tmp_path: Path) -> None:
     with picture_style("dark"):
         figure = plot.plot_history(history, tmp_path / "dark.svg")

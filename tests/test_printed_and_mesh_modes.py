@@ -235,6 +235,7 @@ def mesh(meshio):
 FREQUENCIES = [exact(k)[0] for k in (1, 2, 3)]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("suffix", [".vtu", ".vtk", ".xdmf", ".med"])
 @pytest.mark.parametrize(("name", "first"), [("mode_{}", 1), ("u{:03d}", 0), ("displacement_EigenMode{}", 1)])
 def test_meshes(name, first, suffix, mesh, tmp_path, capsys):

@@ -167,6 +167,7 @@ def test_zener(row):
     assert [got[name] / hertz[name] for name in names] == pytest.approx(ratios, rel=3e-5, abs=6e-7)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("law", LAWS, ids=repr)
 @pytest.mark.parametrize("share", [0.02, 0.5])
 def test_energy_balance_on_a_moving_target(law, share):

@@ -48,6 +48,7 @@ def test_the_table_has_every_law_and_target():
     } <= groups
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", [*FEW, "cradle-0.4", "vibrating-structure-thornton-0.2", "oblique-70deg-spin0"])
 def test_the_second_computation_is_within_the_bound(name):
     agrees(name)
@@ -117,6 +118,7 @@ def hashes(folder):
     return {path.relative_to(folder): path.read_bytes() for path in folder.rglob("*") if path.is_file()}
 
 
+@pytest.mark.slow
 def test_the_files(tmp_path, capsys):
     jsonschema = pytest.importorskip("jsonschema")
     names = ["bouncing-5mm-20mm", "oblique-70deg-spin0", "tabulated-half-space-0.4"]
@@ -180,6 +182,7 @@ def test_a_score_finds_the_error_that_was_put_in(history, tmp_path, capsys):
     assert ELASTIC in capsys.readouterr().out
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", [ELASTIC, "bouncing-5mm-20mm", "fork-0.4"])
 def test_a_reference_scores_as_it_is(name, tmp_path):
     (folder,) = fd.write_suite(tmp_path / "suite", [name])

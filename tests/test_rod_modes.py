@@ -45,6 +45,7 @@ def test_a_matched_end_is_an_infinite_rod():
     assert modes.frequency[0] == 0.0 and modes.share[0] == pytest.approx(1 / 65.0, rel=1e-9)
 
 
+@pytest.mark.slow
 def test_the_first_refinement_with_as_many_modes_as_are_allowed_has_an_estimate():
     """No wave returns in time: the rod without an end is the same, and its error is 1e-10."""
     rod = fm.Rod(STEEL, diameter="5.74 mm", length="3.47 m", far_end="18800 N*s/m")

@@ -353,6 +353,7 @@ def test_any_value_is_read_or_refused(bad: tuple[str, str, str], section: str, v
     read_or_refused(lambda: Scene.from_text(GOOD).replace({f"{section}.{key}": value}))
 
 
+@pytest.mark.slow
 def test_mutated_files_are_read_or_refused() -> None:
     chance, known = random.Random(20170417), scene_fuzz.seeds()
     assert sum(scene_fuzz.read(text) for text in known) == len(known)

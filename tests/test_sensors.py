@@ -69,6 +69,7 @@ def test_influence_of_a_simply_supported_plate():
     assert by_two_ways[1] == pytest.approx(by_two_ways[0], rel=1e-6)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["damped", "timoshenko", "two modes"])
 def test_largest_motions(name):
     """Those of even times under a force that is linear between them, against the exact motion at many times."""
@@ -164,6 +165,7 @@ def sensed():
     return on(plate("simply supported", ["10 mm", "30 mm"], ["50 mm", "10 mm"]), 3e-3)
 
 
+@pytest.mark.slow
 def test_sensors_in_files(sensed, tmp_path, monkeypatch):
     """Coordinates and units in netCDF, the same bytes without xarray; columns in CSV; and back."""
     monkeypatch.setenv("SOURCE_DATE_EPOCH", "0")

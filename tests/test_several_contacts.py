@@ -70,6 +70,7 @@ def run(bodies, target, duration="0.4 ms", law="hertz", **options):
     return fm.simulate_chain(fm.Chain(bodies, law, target, duration=duration, **options))
 
 
+@pytest.mark.slow
 def test_two_balls_and_a_stop_obey_the_coupled_equations():
     """DOP853 of SciPy on the same vibrations: within 1e-8 at all times."""
     omega, zeta = 2.0 * math.pi * np.array([300.0, 900.0, 2500.0, 8000.0, 30e3]), 0.01

@@ -10,6 +10,7 @@ from typing import Any
 
 import mpmath
 import numpy as np
+import pytest
 from cases import combinations
 
 import film_datasets as fd
@@ -176,6 +177,7 @@ def check_estimates(name: str, strength: float, way: str, accuracy: float) -> in
 # ------------------------------------------------------------------------------------------------ tests
 
 
+@pytest.mark.slow
 @combinations(law=UNDAMPED, way=WAYS, accuracy=ACCURACIES, fast=len(UNDAMPED))
 def test_the_estimate_bounds_the_error_of_a_small_restitution(law: str, way: str, accuracy: float) -> None:
     assert sum(check_estimates(law, strength, way, accuracy) for strength in STRENGTHS) >= 3

@@ -67,6 +67,7 @@ def chain(tmp_path):
     return matrices, fm.Structure(str(tmp_path / "modes.csv"), STEEL, sensors=sensors)
 
 
+@pytest.mark.slow
 def test_responses(tmp_path):
     """(K − ω² M + i ω C) x = f, and the spectrum of the acceleration against that of the motion itself."""
     matrices, target = chain(tmp_path)

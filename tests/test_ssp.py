@@ -120,6 +120,7 @@ def test_the_parameter_set_of_a_material_gives_its_contact(packed, tmp_path, law
             assert force == pytest.approx(problem.curve.force(0.5) * problem.scales.force, rel=1e-12), name
 
 
+@pytest.mark.slow
 def test_a_law_with_given_stiffness_has_no_parameter_sets_of_materials(packed):
     package = packed(by_name("luding"))
     assert not package.materials and len(package.left_out) == len(catalogue())

@@ -40,6 +40,7 @@ def _on(stiffness, law="hertz", velocity=VELOCITY, **scene):
 # ---------------------------------------------------------------- compliances
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("place", [(0.5, 0.5), (0.35, 0.17), (0.03, 0.6)])
 @pytest.mark.parametrize("stiffness", [ISOTROPIC, OLSSON, TWISTED])
 def test_simply_supported_plate_against_the_double_series(stiffness, place):
@@ -82,6 +83,7 @@ def test_square_plates_at_the_centre():
     assert _clamped(ISOTROPIC, (1.0, 1.0), centre) == pytest.approx(0.0056120, abs=1e-7)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("stiffness", "size"),
     [(ISOTROPIC, (1.0, 1.0)), pytest.param(OLSSON, (0.2, 0.25), marks=pytest.mark.slow)],
@@ -208,6 +210,7 @@ def test_two_springs_in_series():
     np.testing.assert_allclose(samples.target_velocity, share * samples.impactor_velocity, rtol=0, atol=1e-12)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("law", ["hertz", "big-alabo", "saturating"])
 def test_duration_against_integration_and_order(law):
     """δ̇ = v/(1 + F′/k), v̇ = −F/m along the loading curve and along the branch that leads back; fourth order."""

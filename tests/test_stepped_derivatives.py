@@ -100,6 +100,7 @@ def test_a_contact_that_is_just_lost_gives_one_sided_derivatives():
     assert len(said) == 1 and "contact ends otherwise" in said[0]
 
 
+@pytest.mark.slow
 def test_crowded_frequencies_are_refused():
     wide = fm.Plate("mild steel", thickness="2 mm", size=["600 mm", "470 mm"], theory="kirchhoff")
     one = struck(wide).replace({"effects.boundary_reflections": True})

@@ -92,6 +92,7 @@ def test_no_file_imports_itself_in_a_circle():
     assert not left, f"circles among {', '.join(sorted(left))}"
 
 
+@pytest.mark.slow
 def test_the_export_of_fmus_does_not_need_datasets():
     needed, found = ["fmu_wrapper.exporting"], set()
     while needed:

@@ -65,6 +65,7 @@ METHODS = {
 }
 
 
+@pytest.mark.slow
 @combinations(
     method=METHODS,
     law=["hertz", "meyer", "big-alabo", "stronge"],

@@ -56,6 +56,7 @@ def test_a_block_of_another_shape_is_computed_again(interrupted):
     assert np.array_equal(checkpoint.load(1)["maximum_force"], columns["maximum_force"])
 
 
+@pytest.mark.slow
 def test_blocks_in_whole_files_are_not_saved_and_a_damaged_file_is_written_again(tmp_path, monkeypatch):
     """A Zarr folder that was interrupted keeps its whole files; what comes after them is in saved blocks."""
     pytest.importorskip("zarr")
@@ -125,6 +126,7 @@ def test_a_link_as_output_is_refused(tmp_path):
     assert link.is_symlink()
 
 
+@pytest.mark.slow
 def test_a_finished_output_of_another_version_is_named(tmp_path, monkeypatch):
     target = tmp_path / "out.nc"
     with fd.sweep(SCENE, OVER, output=target):
@@ -239,6 +241,7 @@ def interrupt_and_resume(tmp_path, monkeypatch, suffix, workers, moments):
     return saved
 
 
+@pytest.mark.slow
 def test_interrupted_while_the_output_is_created_and_resumed(tmp_path, monkeypatch):
     saved = interrupt_and_resume(tmp_path, monkeypatch, "nc", 2, (0.05, 0.2, 0.4, 0.6))
     assert saved[0] == 0 and saved[-1] > 0

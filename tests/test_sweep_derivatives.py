@@ -47,6 +47,7 @@ def test_impacts_without_derivatives_are_counted():
     assert fd.validate(ds) == []
 
 
+@pytest.mark.slow
 def test_a_sweep_file_and_its_output_name_the_derivatives(tmp_path):
     (tmp_path / "scene.toml").write_text(SCENE.to_toml())
     text = 'scene = "scene.toml"\ndesign = "sobol"\nsamples = 16\nderivatives = ["impactor.radius"]\n\n[over]\n'

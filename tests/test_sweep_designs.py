@@ -277,6 +277,7 @@ def test_words_that_need_other_keys_can_be_sections(
     assert fd.sweep(BALL, {section: again})["maximum_force"].shape == (2,)
 
 
+@pytest.mark.slow
 def test_tables_of_pandas(tmp_path: Path) -> None:
     """The column of the index, which has no heading, is explained; a table may be larger than a scene file."""
     table = pd.DataFrame({"impactor.velocity [m/s]": np.linspace(1.0, 2.0, 60_000)})

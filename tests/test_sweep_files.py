@@ -18,6 +18,7 @@ from film_model.cli.main import main
 from film_model.solve.history import SUMMARY
 
 
+@pytest.mark.slow
 def test_command_writes_and_reports(capsys: pytest.CaptureFixture[str], sweep_file: Path) -> None:
     output = sweep_file.with_name("out.nc")
     status, out, err = cli(capsys, "sweep", sweep_file, "--output", output, "--json")
@@ -166,6 +167,7 @@ def test_a_folder_that_is_no_store_is_not_replaced(
         fd.sweep(BALL, SPEEDS, output=output)
 
 
+@pytest.mark.slow
 def test_a_finished_output_of_another_sweep_is_not_reused(tmp_path: Path) -> None:
     target = tmp_path / "s.nc"
     fd.sweep(BALL, SPEEDS, keep="samples=11", output=target).close()

@@ -40,6 +40,7 @@ def test_laws_switches_and_numbers_are_swept() -> None:
     assert 20 < int(bad.sum()) < 120 and np.array_equal(refused, bad.values)
 
 
+@pytest.mark.slow
 def test_reading_in_pieces_gives_the_whole_array(monkeypatch: pytest.MonkeyPatch) -> None:
     """Hash, statistics and validation of a dataset are independent of the size of the pieces read."""
     scene = BALL.replace({"effects.gravity": False})

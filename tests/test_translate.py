@@ -127,6 +127,7 @@ def test_every_law_keeps_the_contract(engine, law):
     assert 0.4 < impacts.restitution[0] < 1.0
 
 
+@pytest.mark.slow
 def test_a_law_that_an_engine_has_is_found_exactly():
     speeds = ("0.1 m/s", "2 m/s")
     hertz = contact_for(ENGINES["chrono"], scene("hertz"), speeds, law="hertz", count=3)[0]

@@ -190,6 +190,7 @@ def test_mistakes_in_a_tree_are_named(change, message):
     assert message in str(error.value)
 
 
+@pytest.mark.slow
 def test_a_tree_is_written_and_read_again(tmp_path, monkeypatch, capsys):
     chain = fm.Chain.from_text(FILE)
     assert fm.Chain.from_text(chain.to_toml()) == chain

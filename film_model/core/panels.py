@@ -65,13 +65,15 @@ def degree(panel: Panel, wave: float, highest: float, spare: float) -> int:
     return _library().film_panel_degree(c.byref(panel), wave, highest, spare)
 
 
-def groups(panel: Panel, x: Functions, y: Functions, highest: float, least: int) -> list[tuple[Index, Index]]:
-    """The products p, q up to a frequency, in groups that do not interact."""
+def groups(
+    panel: Panel, x: Functions, y: Functions, highest: float, sharpness: float, least: int
+) -> list[tuple[Index, Index]]:
+    """The products p, q that vibrations up to a frequency need, in groups that do not interact."""
     lib, sides = _library(), (c.byref(panel), c.byref(x), c.byref(y))
     room = np.empty((2, x.functions * y.functions), np.int32)
     found: list[tuple[Index, Index]] = []
     for group in range(lib.film_panel_groups(*sides)):
-        count = lib.film_panel_group(*sides, highest, least, group, room[0].ctypes.data, room[1].ctypes.data)
+        count = lib.film_panel_group(*sides, highest, sharpness, least, group, *(each.ctypes.data for each in room))
         p, q = room[:, :count].astype(np.intp)
         found.append((p, q))
     return [block for block in found if block[0].size]

@@ -35,9 +35,9 @@ MOST_WAVES = 160
 """Most half-waves along a side, twice as many if its ends are alike, unless two opposite edges are simply supported:
 their shapes take 0.2 s."""
 
-SHARPNESS = ((2.0, 300), (1.6, 1000), (1.3, MOST_FUNCTIONS))
+SHARPNESS = ((2.0, 250), (1.5, 1000), (1.3, MOST_FUNCTIONS))
 """Highest frequency of the products over the highest that is asked for, and the number of products that it may take.
-Errors of the highest frequency are then up to 1e-3, 2e-3 and 4e-3; below half of it up to 1e-4, 1e-4 and 2e-4. With
+Errors of the highest frequency are then up to 1e-3, 2e-3 and 4e-3; below half of it up to 1e-4, 2e-4 and 2e-4. With
 1.2, contact times on clamped strips of 30 widths are 6e-4 off."""
 
 MOST_STRIPS = 1e9
@@ -154,10 +154,10 @@ def unit_modes(panel: Panel, points: Points, highest: float) -> Modes:
         raise TooManyModes(_too_many(least))
     lines, blocks, largest = list[Line](), list[Block](), 0
     for sharpness, most in SHARPNESS:
-        if least * sharpness > most < MOST_FUNCTIONS:  # certainly too many
+        if least > most:  # certainly too many
             continue
         lines = [_line(panel, along, sharpness * highest) for along in (0, 1)]
-        blocks = split(panel, lines, shapes_at(panel, lines, position), sharpness * highest)
+        blocks = split(panel, lines, shapes_at(panel, lines, position), highest, sharpness)
         largest = max(p.size for p, _ in blocks)
         if largest <= most:
             break
@@ -265,11 +265,13 @@ def _at(line: Line, at: float, side: float, order: float) -> Array:
     return line.at(2.0 * at / side - 1.0, int(order)) * (2.0 / side) ** order
 
 
-def split(panel: Panel, lines: list[Line], struck: Array, highest: float = math.inf) -> list[Block]:
-    """The products up to a frequency, in groups that do not interact; those that are 0 at the struck point are left
-    out. struck: `shapes_at` there. The first of each side are taken however low the frequency: the first vibrations are
-    then accurate."""
-    blocks = panels.groups(panel.core, lines[0].core, lines[1].core, highest, LEAST)
+def split(
+    panel: Panel, lines: list[Line], struck: Array, highest: float = math.inf, sharpness: float = 1.0
+) -> list[Block]:
+    """The products that vibrations up to a frequency need, in groups that do not interact; those that are 0 at the
+    struck point are left out. struck: `shapes_at` there. The first of each side are taken however low the frequency:
+    the first vibrations are then accurate."""
+    blocks = panels.groups(panel.core, lines[0].core, lines[1].core, highest, sharpness, LEAST)
     return [block for block in blocks if np.abs(struck[block]).max() > NODE] or blocks[:1]
 
 

@@ -4,6 +4,9 @@
 #include <math.h>
 
 #define PI 3.14159265358979323846
+#define HIGH 32      /* functions of a side below this always matter: the first vibrations are then accurate */
+#define NEAR 1.05    /* waves over those at the highest frequency, up to which functions always matter */
+#define LONE 0.85    /* and beyond those along the other side */
 #define DECAYED 24.0 /* exponent at which a coefficient is neglected: e^-24 = 4e-11 */
 
 static double wave_of(int32_t p) { return (p + 1) * (PI / 2.0); } /* of the sines of a line without series */
@@ -57,18 +60,29 @@ int32_t film_panel_groups(const film_panel *panel, const film_ritz *x, const fil
     return halves(panel, x, 0) * halves(panel, y, 1);
 }
 
-int32_t film_panel_group(const film_panel *panel, const film_ritz *x, const film_ritz *y, double highest, int32_t least,
-                         int32_t group, int32_t *p, int32_t *q) {
-    int32_t along = halves(panel, x, 0), across = halves(panel, y, 1), count = 0;
+/* Whether no edge is free. High functions of q waves along the other side then change vibrations by about q^4/p^5 of their p waves. */
+static int supported(const film_panel *panel) {
+    int found = 1;
+    for (int k = 0; k < 4; k++) found = found && panel->edges[k] != FILM_EDGE_FREE;
+    return found;
+}
+
+int32_t film_panel_group(const film_panel *panel, const film_ritz *x, const film_ritz *y, double highest, double sharpness,
+                         int32_t least, int32_t group, int32_t *p, int32_t *q) {
+    int32_t along = halves(panel, x, 0), across = halves(panel, y, 1), count = 0, held = supported(panel);
     double a = 2.0 / panel->a, b = 2.0 / panel->b, limit = panel->mass * highest * highest;
     for (int32_t i = 0; i < x->functions; i++) {
         if (half_of(x, along, i) != group / across) continue;
         for (int32_t j = 0; j < y->functions; j++) {
             if (half_of(y, across, j) != group % across) continue;
-            double own = panel->d11 * pow(a, 4.0) * bent(x, i) + panel->d22 * pow(b, 4.0) * bent(y, j);
+            double one = panel->d11 * pow(a, 4.0) * bent(x, i) / limit, two = panel->d22 * pow(b, 4.0) * bent(y, j) / limit;
             double mixed = 4.0 * panel->d66 * sloped(x, i, i) * sloped(y, j, j) + 2.0 * panel->d12 * crossed(x, i, i) * crossed(y, j, j);
-            int kept = own + a * a * b * b * mixed <= limit || i >= x->shapes || j >= y->shapes || i < least || j < least;
-            if (!kept) continue;
+            double waves = sqrt(sqrt(one)), others = sqrt(sqrt(two)); /* over those at the highest frequency */
+            int always = i >= x->shapes || i < least, also = j >= y->shapes || j < least;
+            int high = held && (i >= HIGH || j >= HIGH);
+            int first = high ? (always && also) || (always && others <= NEAR) || (also && waves <= NEAR) : always || also;
+            int matters = !high || (waves <= fmax(NEAR, LONE + others) && others <= fmax(NEAR, LONE + waves));
+            if (!first && !(matters && one + two + a * a * b * b * mixed / limit <= sharpness * sharpness)) continue;
             p[count] = i;
             q[count++] = j;
         }

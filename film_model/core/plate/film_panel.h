@@ -24,11 +24,12 @@ FILM_API double film_panel_waves(const film_panel *panel, int32_t along, double 
  * what waves and decay need. */
 FILM_API int32_t film_panel_degree(const film_panel *panel, double wave, double highest, double spare);
 
-/* Groups of products that do not interact, and the products p, q of one, up to a frequency (infinite: all); how many these are.
- * least: so many functions of each side are taken however high. */
+/* Groups of products that do not interact, and the products p, q of one that vibrations up to a frequency need (infinite: all); how
+ * many these are. sharpness: of their own frequencies, the highest over that. least: so many functions of each side are taken
+ * however high. */
 FILM_API int32_t film_panel_groups(const film_panel *panel, const film_ritz *x, const film_ritz *y);
-FILM_API int32_t film_panel_group(const film_panel *panel, const film_ritz *x, const film_ritz *y, double highest, int32_t least,
-                                  int32_t group, int32_t *p, int32_t *q);
+FILM_API int32_t film_panel_group(const film_panel *panel, const film_ritz *x, const film_ritz *y, double highest, double sharpness,
+                                  int32_t least, int32_t group, int32_t *p, int32_t *q);
 
 /* The matrix of the energy of n products, orthonormal in the integral of w^2: n x n. */
 FILM_API void film_panel_energy(const film_panel *panel, const film_ritz *x, const film_ritz *y, int32_t n, const int32_t *p,

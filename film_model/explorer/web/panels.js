@@ -70,10 +70,10 @@ function valuesAt(line, place, side) {
 /**
  * What `use` makes of each group of products that the struck point sees: of their number, the addresses of their energies and of their
  * values there, and free memory. Null if a group has more than `most` products. from, to: numbers of the groups.
- * @template T @param {Panel} panel @param {number[]} lines @param {number[]} point @param {{highest: number, most: number, from?: number, to?: number}} limits
+ * @template T @param {Panel} panel @param {number[]} lines @param {number[]} point @param {{highest: number, most: number, sharpness?: number, from?: number, to?: number}} limits
  * @param {(count: number, energy: number, seen: number, memory: number) => T} use @returns {T[]|null}
  */
-function groupsOf(panel, lines, point, { highest, most, from = 0, to }, use) {
+function groupsOf(panel, lines, point, { highest, most, sharpness = 1, from = 0, to }, use) {
   const { a, b } = panel;
   const { least, node } = DATA.constants.ritz;
   const [x, y] = lines.map((line, along) => valuesAt(line, point[along], [a, b][along]));
@@ -83,7 +83,7 @@ function groupsOf(panel, lines, point, { highest, most, from = 0, to }, use) {
     const groups = [];
     const [p, q] = [0, 1].map(() => CORE.allocate(4 * x.length * y.length));
     for (let group = from; group < (to ?? c.film_panel_groups(place, ...lines)); group++) {
-      const count = c.film_panel_group(place, ...lines, highest, least, group, p, q);
+      const count = c.film_panel_group(place, ...lines, highest, sharpness, least, group, p, q);
       const [rows, columns] = [p, q].map((at) => new Int32Array(c.memory.buffer, at, count).slice());
       const values = Array.from(rows, (row, k) => x[row] * y[columns[k]] * scale);
       if (values.some((value) => Math.abs(value) > node)) groups.push({ rows, columns, values });
@@ -150,7 +150,7 @@ function panelModes(panel, point, highest) {
   } else {
     for (const [sharpness, most] of ritz.sharpness) {
       const lines = [0, 1].map((along) => shapesAlong(panel, along, sharpness * highest));
-      if (groupsOf(panel, lines, point, { highest: sharpness * highest, most }, take)) break;
+      if (groupsOf(panel, lines, point, { highest, sharpness, most }, take)) break;
     }
   }
   return sortedModes(frequencies, shares, highest);

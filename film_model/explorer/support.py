@@ -128,6 +128,7 @@ def constants() -> dict[str, Any]:
         "HIGHEST",
         "REFINED",
         "STEP",
+        "STIFFER",
         "UNRESOLVED",
     )
     return numbers_of(vibration, names) | {

@@ -218,9 +218,11 @@ function vibrate(scene, problem) {
   /** @type {number|null} */
   let error = null;
   const estimates = [Infinity];
-  const outOfReach = () => p.damping > 0 && estimates.length > 3 && FORMULAS.falling(estimates.at(-1), estimates.at(-3), most / highest).later > accuracy;
+  let [count, same] = [0, false];
+  const outOfReach = () => p.damping > 0 && estimates.length > 3 && FORMULAS.falling(estimates.at(-1), estimates.at(same ? -2 : -3), most / highest).later > accuracy;
   for (;;) {
-    highest *= 2;
+    [count, same] = [coarse.structure.count, coarse.structure.count === count];
+    highest = Math.min((same ? rule.stiffer : 2) * highest, most);
     let fine;
     try {
       fine = follow(tolerance);

@@ -1,5 +1,6 @@
 """The core's contact on modes: numbers of independent solutions, order, energy, memory, and what it refuses."""
 
+import itertools
 import math
 import runpy
 import threading
@@ -370,6 +371,29 @@ def test_the_estimate_bounds_the_error_of_plates_with_any_edges(monkeypatch):
 
 
 @pytest.mark.slow
+def test_errors_by_the_mode_of_the_omitted_compliance(monkeypatch):
+    """Of a plate all whose modes are followed they are halved with each doubling of the highest frequency, and by half
+    the critical damping; four doublings are two runs."""
+    plate = fm.Plate(STEEL, "2.4 mm", size=["100 mm", "80 mm"], position=["42 mm", "31 mm"])
+    scene = struck(plate, "5 mm", "1.5 m/s", fm.Tsuji(restitution=0.8))
+    runs, follow = list[vibration.Vibration](), vibration.run
+    monkeypatch.setattr(vibration, "run", lambda *given, **named: runs.append(follow(*given, **named)) or runs[-1])
+    history = fm.simulate(scene)
+    assert runs[-1].highest == 4.0 * runs[-2].highest and runs[-1].modes == runs[0].modes
+    problem, limit, errors = history.problem, runs[0].start.limit, dict[float, list[float]]()
+    for ratio in (structures.RATIO, 1.0):
+        monkeypatch.setattr(structures, "RATIO", ratio)
+        summaries = [
+            follow(problem, structures.made(plate, more * runs[0].highest, problem.scales.time), 1e-8, limit).summary
+            for more in (256.0, 2.0, 4.0, 8.0)
+        ]
+        errors[ratio] = [max(vibration.differences(problem, each, summaries[0]).values()) for each in summaries[1:]]
+    for sharper, critical in zip(*errors.values(), strict=True):
+        assert 0.35 < sharper / critical < 0.7
+    for found in errors.values():
+        assert all(1.5 < before / after < 3.0 for before, after in itertools.pairwise(found)), found
+
+
 def test_runs_that_agree_by_chance():
     """On this beam two sets of modes differ by less than a tenth of the error."""
     beam = fm.Beam(

@@ -46,6 +46,10 @@ HIGHEST = 64.0
 """Highest frequency over that of the first run, where more modes cannot be computed, or where the omitted compliance is
 a mode: a stiffer one takes shorter steps and changes no result."""
 
+STIFFER = 4.0
+"""By how much the highest frequency grows from run to run of a damped law, once there are no more modes: then only the
+omitted compliance is stiffer, and errors about halve with each doubling."""
+
 MANY = 400
 """Modes of a run of a damped law from which on the next is recorded although it may not be the last: that takes 3 % of
 it, and which run shows that more bring no accuracy is not known before."""
@@ -123,8 +127,8 @@ def vibrate(
 ) -> tuple[Vibration, float]:
     """The impact with as many modes as the accuracy needs, and the error estimate. recorded: with its motion.
 
-    The highest frequency is doubled, with a smaller tolerance of the steps, until three runs agree; after the first run
-    without a run, as long as contact follows modes near it quickly. If more modes are needed than are allowed, or all
+    The highest frequency is doubled, or grows by `STIFFER`, with a smaller tolerance of the steps, until three runs
+    agree; after the first run without a run, as long as contact follows modes near it quickly. If more modes are needed than are allowed, or all
     runs together would take more work, the result is that of the last run, and a warning gives the accuracy reached.
     """
     unit, (limit, least) = problem.scales.time, _following(problem, target)
@@ -215,13 +219,14 @@ def _refined(
     while math.isinf(most) and _swiftness(problem, runs[0], modes(2.0 * highest)) > FOLLOWED * 2.0 * highest:
         highest *= 2.0
     while True:
-        work = sum(each.work for each in runs)
-        sure = 2.0 * highest >= most or work + 5 * runs[-1].work > modal.MOST_WORK  # if more modes take no less
+        work, same = sum(each.work for each in runs), len(runs) > 1 and runs[-1].modes == runs[-2].modes
+        upto = min((STIFFER if same else 2.0) * highest, most)
+        sure = upto >= most or work + 5 * runs[-1].work > modal.MOST_WORK  # if more modes take no less
         many = damped and runs[-1].modes >= MANY
         final = recorded and (sure or many or estimates[-1] <= MODES_FALL * accuracy)
         try:
-            runs.append(follow(2.0 * highest, tolerance, 2 * int(runs[-1].summary.lines) * final))
-            highest *= 2.0
+            runs.append(follow(upto, tolerance, 2 * int(runs[-1].summary.lines) * final))
+            highest = upto
             work += 5 * runs[-1].work
             last = highest >= most or work > modal.MOST_WORK or 4 * runs[-1].modes > structures.MOST_MODES
         except (CoreError, TooManyModes) as error:  # of steps: a stiff omitted mode rattles between the others
@@ -236,14 +241,15 @@ def _refined(
             estimates.append(max(errors.values()))
             if estimates[-1] <= accuracy:
                 return runs[-2], runs[-1], estimates[-1]
-            if last or (damped and _out_of_reach(estimates, accuracy, most / highest)):
+            if last or (damped and _out_of_reach(estimates, accuracy, most / highest, same)):
                 return runs[-2], runs[-1], _unreached(runs[-1], errors, accuracy, warnings)
         tolerance = tightened(tolerance, 1.0 / REFINED)
 
 
-def _out_of_reach(estimates: list[float], accuracy: float, higher: float) -> bool:
-    """Whether the accuracy is not reached with vibrations up to `higher` times the highest frequency, as it seems."""
-    return len(estimates) > 3 and float(falling(estimates[-1], estimates[-3], higher)) > accuracy
+def _out_of_reach(estimates: list[float], accuracy: float, higher: float, stiffer: bool) -> bool:
+    """Whether the accuracy is not reached with vibrations up to `higher` times the highest frequency, as it seems.
+    stiffer: the last step was `STIFFER`."""
+    return len(estimates) > 3 and float(falling(estimates[-1], estimates[-2 if stiffer else -3], higher)) > accuracy
 
 
 def _recorded(problem: Problem, found: Vibration) -> Vibration:

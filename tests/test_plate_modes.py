@@ -98,8 +98,8 @@ def test_products_that_hardly_matter_are_left_out():
     numbers = dict[str, int]()
     for letters in ("CCCC", "CCCF"):
         own = panel(letters, (1.0, 0.9))
-        lines = [ritz._line(plate, along, 1.5 * highest) for along in (0, 1)]
-        blocks = ritz.split(own, lines, ritz.shapes_at(plate, lines, OFF_CENTRE), highest, 1.5)
+        lines = [ritz._line(plate, along, 1.6 * highest) for along in (0, 1)]
+        blocks = ritz.split(own, lines, ritz.shapes_at(plate, lines, OFF_CENTRE), highest, 1.6)
         numbers[letters] = sum(p.size for p, _ in blocks)
     assert numbers["CCCC"] < 0.93 * numbers["CCCF"]
 

@@ -128,8 +128,9 @@ def vibrate(
     """The impact with as many modes as the accuracy needs, and the error estimate. recorded: with its motion.
 
     The highest frequency is doubled, or grows by `STIFFER`, with a smaller tolerance of the steps, until three runs
-    agree; after the first run without a run, as long as contact follows modes near it quickly. If more modes are needed than are allowed, or all
-    runs together would take more work, the result is that of the last run, and a warning gives the accuracy reached.
+    agree; after the first run without a run, as long as contact follows modes near it quickly. If more modes are needed
+    than are allowed, or all runs together would take more work, the result is that of the last run, and a warning gives
+    the accuracy reached.
     """
     unit, (limit, least) = problem.scales.time, _following(problem, target)
     first = structures.on_grid(target, least)

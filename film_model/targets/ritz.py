@@ -35,9 +35,9 @@ MOST_WAVES = 160
 """Most half-waves along a side, twice as many if its ends are alike, unless two opposite edges are simply supported:
 their shapes take 0.2 s."""
 
-SHARPNESS = ((2.0, 250), (1.5, 1000), (1.3, MOST_FUNCTIONS))
+SHARPNESS = ((2.0, 300), (1.6, 1000), (1.3, MOST_FUNCTIONS))
 """Highest frequency of the products over the highest that is asked for, and the number of products that it may take.
-Errors of the highest frequency are then up to 1e-3, 2e-3 and 4e-3; below half of it up to 1e-4, 2e-4 and 2e-4. With
+Errors of the highest frequency are then up to 1e-3, 2e-3 and 4e-3; below half of it up to 1e-4, 1e-4 and 2e-4. With
 1.2, contact times on clamped strips of 30 widths are 6e-4 off."""
 
 MOST_STRIPS = 1e9

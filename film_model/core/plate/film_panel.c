@@ -7,6 +7,7 @@
 #define HIGH 32      /* functions of a side below this always matter: the first vibrations are then accurate */
 #define NEAR 1.05    /* waves over those at the highest frequency, up to which functions always matter */
 #define LONE 0.85    /* and beyond those along the other side */
+#define HELD 0.94    /* sharpness that they need, as no edge is free, over that of others */
 #define DECAYED 24.0 /* exponent at which a coefficient is neglected: e^-24 = 4e-11 */
 
 static double wave_of(int32_t p) { return (p + 1) * (PI / 2.0); } /* of the sines of a line without series */
@@ -82,7 +83,8 @@ int32_t film_panel_group(const film_panel *panel, const film_ritz *x, const film
             int high = held && (i >= HIGH || j >= HIGH);
             int first = high ? (always && also) || (always && others <= NEAR) || (also && waves <= NEAR) : always || also;
             int matters = !high || (waves <= fmax(NEAR, LONE + others) && others <= fmax(NEAR, LONE + waves));
-            if (!first && !(matters && one + two + a * a * b * b * mixed / limit <= sharpness * sharpness)) continue;
+            double most = sharpness * (high ? HELD : 1.0);
+            if (!first && !(matters && one + two + a * a * b * b * mixed / limit <= most * most)) continue;
             p[count] = i;
             q[count++] = j;
         }

@@ -116,7 +116,7 @@ def text(name: str) -> str:
     way, terms, gives, error = TABLES[name]
     head = (
         f"/* Table of a whole way: {gives}. Written by examples/map_tables.py, which has the equations.",
-        f" * Relative error: at most {error:g}. film_lane_map.h evaluates it. docs/method.md, section 10. */",
+        f" * Relative error: at most {error:g}. film_lane_power.h evaluates it. docs/method.md, section 10. */",
         '#include "tables/film_job.h"',
         "",
         f"const double {name}[MAP_PIECES * {name.upper()}_TERMS * {name.upper()}_VALUES + 2] = {{",

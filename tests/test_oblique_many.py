@@ -150,11 +150,11 @@ def test_neighbours_that_slip_longer_change_no_bit(power):
         [*np.full((3, count), [[1.0], [power], [0.3]]), np.geomspace(0.01, 20.0, count), *legs.T], axis=1
     )
     friction = np.stack([np.zeros(count), np.full(count, 0.3)], axis=1)[:, None]
-    many = springs.many(32, 64, friction, numbers, force, radius)
+    given = 32, 64, friction, numbers, force, radius
+    many = springs.many(np.arange(count), *given)
     assert len({*many["regime"]}) > 1 and many["regime"][-1] == 2
     for row in range(count):
-        own = (values[row : row + 1] for values in (friction, numbers, force, radius))
-        assert springs.many(32, 64, *own)[0] == many[row]
+        assert springs.many(np.array([row]), *given)[0] == many[row]
     slides = many["regime"] == 2
     after = numbers[:, 3] - 0.3 * trapezoid(force, springs.knots(knots, legs), axis=1) / 0.3
     assert many["velocity"][slides] == pytest.approx(after[slides], abs=1e-3)

@@ -106,18 +106,25 @@ def _of_knots(function: Any, values: Array, legs: Array) -> Array:
 
 
 def many(
-    count: int, steps: int, friction: Array, numbers: Array, force: Array, radius: Array, estimated: bool = True
+    places: NDArray[np.int64],
+    count: int,
+    steps: int,
+    friction: Array,
+    numbers: Array,
+    force: Array,
+    radius: Array,
+    estimated: bool = True,
 ) -> NDArray[Any]:
-    """Results (MANY_DTYPE) of impacts without their motions. steps: of a leg. friction: pairs as in :func:`impact`, of
-    all or (impacts, pairs, 2). numbers: modulus, power, mass, velocity and the times of :func:`knots`, (impacts,
-    7). force, radius: at the times of :func:`knots`. estimated: or with an error of 0."""
+    """Results (MANY_DTYPE) of the impacts at some places of all, without their motions. steps: of a leg. friction:
+    pairs as in :func:`impact`, of all or (impacts, pairs, 2). numbers: modulus, power, mass, velocity and the times of
+    :func:`knots`, (impacts, 7). force, radius: at the times of :func:`knots`. estimated: or with an error of 0."""
     numbers, friction, force, radius = (
         np.ascontiguousarray(values, np.float64) for values in (numbers, friction, force, radius)
     )
-    found: NDArray[Any] = np.empty(len(force), MANY_DTYPE)
+    found: NDArray[Any] = np.empty(places.size, MANY_DTYPE)
     table = friction.ctypes.data, friction.shape[-2], friction.ndim == 2
     at = force.ctypes.data, radius.ctypes.data, found.ctypes.data
-    sizes = native.instructions(), len(force), count, estimated
+    sizes = native.instructions(), places.size, places.ctypes.data, count, estimated
     _library().film_springs_many(*sizes, numbers.ctypes.data, *table, steps, force.shape[1] // 2 - 1, *at)
     return found
 

@@ -21,12 +21,11 @@ STEPS = 2048
 EASY, FEWEST = 8, 128
 """Up to EASY contacts have STEPS steps each; more contacts share as many in all, but each has FEWEST at least."""
 
-SAFETY = 2.5
+SAFETY = 0.8
 """Of the error that half and a quarter of the springs and steps tell (tests/test_friction_estimate.py)."""
 
 LEVELS = ((32, 128), (48, 192), (64, 256), (96, 384), (128, 512), (SPRINGS, STEPS))
-"""Springs and steps in batches, as many as the accuracy needs; the first for accuracies from `MODELLED` on. Half of the
-steps are before the turn."""
+"""Springs and steps in batches, as many as the accuracy needs. Half of the steps are before the turn."""
 
 TURN = 3.0
 """Error of the sliding velocity over that before, of a contact whose radius jumps at the turn, in steps of the contact

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from film_model.base.arrays import Array, Index, column, index_or_all
+from film_model.base.arrays import Array, Index, column
 from film_model.core import families, native
 from film_model.core import springs as core
 from film_model.core.friction import COARSE, ERRORS, EXACT, QUICK
@@ -31,7 +31,10 @@ ROUGH = 2e-3
 second kink or a jump (tests/test_friction_estimate.py)."""
 
 RECORDED = 5
-"""Segments of a loading stage with which motions under laws that yield are recorded."""
+"""Segments of a loading stage with which motions are recorded under laws that yield, and by series."""
+
+LIKELY = 0.6
+"""Springs that are tried first, over (accuracy ψ₁)^(-1/2). Affects cost only: others follow if they do not do."""
 
 MISSED = 1e-4
 """Relative error of the impulse of a record up to which it is exact enough, under laws that yield."""
@@ -73,12 +76,14 @@ def by_springs(
     """
     accuracy = solver.accuracy or DEFAULT_ACCURACY
     tolerance = accuracy if problem.curve.reversible else max(accuracy, MODELLED)
-    levels = springs.LEVELS[2 * int(tolerance < MODELLED) :] if coarseness(solver) else springs.LEVELS[-1:]
-    segments, mesh, yields = normal.segments, mesh_of(solver, (1, 1)), not problem.curve.reversible
-    damped, finer = problem.damping > 0.0, segments
-    if yields and solver.accuracy is not None and coarseness(solver) and solver.linearisation != "chord":
+    levels = springs.LEVELS if coarseness(solver) else springs.LEVELS[-1:]
+    coarse, segments, mesh = coarseness(solver), normal.segments, mesh_of(solver, (1, 1))
+    damped, finer, yields = problem.damping > 0.0, segments, not problem.curve.reversible
+    series = problem.own.alike and bool(np.all(damped)) and families.by_series(problem.curve.native, mesh)
+    few = (yields and coarse) or (series and coarse == QUICK)
+    if few and solver.accuracy is not None and solver.linearisation != "chord":
         segments = np.tile(np.array(problem.curve.segments(RECORDED), np.int32), (len(segments), 1))
-    elif not (problem.own.alike and bool(np.all(damped)) and families.by_series(problem.curve.native, mesh)):
+    elif not series:
         segments = recorded_segments(problem, solver, segments)
         # of damped motions twice those with which the ends meet the accuracy: the force between is up to 1e-3 less
         # exact (tests/test_friction_estimate.py)
@@ -187,33 +192,31 @@ def _followed(
     finer = KNOTS * (DEFAULT_ACCURACY / tolerance) ** 0.5
     knots = max(levels[0][1] // 8, min(int(finer) // 8 * 8, springs.STEPS // 8), KNOTS)
     with np.errstate(divide="ignore", invalid="ignore"):
-        alike = np.argsort(abs(velocity) / (friction * scene.approach_velocity))  # slide as long in lanes
+        number = abs(velocity) / (given.ratio * friction * scene.approach_velocity)
+        likely = np.fmin(LIKELY / (tolerance * number) ** 0.5, levels[-2:][0][0])
     missed = np.full(count, np.nan)
-    for some, seen in motions.sampled(alike, knots):
+    for some, seen in motions.sampled(np.argsort(number), knots):  # slide as long in lanes
+        table = pairs[some] if given.table is None else given.pairs
         numbers = np.stack([modulus[some], seen.power, mass[some], velocity[some], *seen.legs.T], axis=1)
-        missed[some], allowed, wanted = seen.missed, tolerance * abs(velocity[some]), np.zeros(some.size)
+        missed[some], allowed, wanted = seen.missed, tolerance * abs(velocity[some]), likely[some]
+        if models > 1:  # once, without the runs that tell its error, which is less than that of the turn
+            level, steps = levels[0]
+            run = core.many(np.arange(some.size), level, steps // 2, table, numbers, seen.force, seen.radii[1], False)
+            after[1, some], slack[1, some], error[1, some] = run["velocity"], run["slack"], 0.0
         for level, steps in levels:
-            own = index_or_all(np.flatnonzero(wanted <= level), some.size)
-            if not some[own].size:
+            own = np.flatnonzero(wanted <= level)
+            if not own.size:
                 continue
-            table, left = pairs[some[own]] if given.table is None else given.pairs, (numbers[own], seen.force[own])
-            # the second model once, without the runs that tell its error, which is less than that of the turn
-            followed = seen.radii[: models if level == levels[0][0] else 1]
-            runs = [
-                core.many(level, steps // 2, table, *left, radius[own], k == 0) for k, radius in enumerate(followed)
-            ]
-            known = np.all([run["status"] == native.OK for run in runs], axis=0)
-            done, of = some[own][known], [run[known] for run in runs]
-            for name, values in (("velocity", after), ("slack", slack)):
-                values[: len(of), done] = [run[name] for run in of]
-            error[: len(of), done] = of[0]["error"]
-            peak[done], regime[done], when[done] = of[0]["force"], of[0]["regime"], of[0]["time"]
-            over = springs.SAFETY * error[0, some[own]] / allowed[own]
-            more = (over > 1.0) & (level < levels[-1][0])
+            run = core.many(own, level, steps // 2, table, numbers, seen.force, seen.radii[0])
+            wanted[own] = np.inf
+            own, run = (values[run["status"] == native.OK] for values in (own, run))
+            at = some[own]
+            after[0, at], slack[0, at], error[0, at] = run["velocity"], run["slack"], run["error"]
+            peak[at], regime[at], when[at] = run["force"], run["regime"], run["time"]
+            over = springs.SAFETY * run["error"] / allowed[own]
             # the last level, of most steps by far, only where the one before does not do
-            wanted[own] = np.where(
-                more, np.minimum(level * over**0.5, levels[-1 - (level < levels[-2:][0][0])][0]), np.inf
-            )
+            last = levels[-1 - (level < levels[-2:][0][0])][0]
+            wanted[own] = np.where(over > 1.0, np.minimum(level * over**0.5, last), np.inf)
     error *= springs.SAFETY
     rows = np.flatnonzero((slack <= springs.SLIDING).any(axis=0))
     sliding = given._replace(friction=friction[rows], mass=mass[rows], velocity=velocity[rows])

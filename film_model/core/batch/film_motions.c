@@ -154,7 +154,9 @@ void film_springs_roughness(int64_t count, int64_t knots, const double *legs, co
     }
 }
 
-void film_springs_many(int instructions, int64_t count, int32_t springs, int32_t estimated, const double *numbers, const double *friction,
-                       int32_t rows, int shared, int64_t steps, int64_t knots, const double *force, const double *radius, film_springs_brief *results) {
-    film_routines(instructions)->slide(count, springs, estimated, numbers, friction, rows, shared, steps, knots, force, radius, results);
+void film_springs_many(int instructions, int64_t count, const int64_t *places, int32_t springs, int32_t estimated, const double *numbers,
+                       const double *friction, int32_t rows, int shared, int64_t steps, int64_t knots, const double *force, const double *radius,
+                       film_springs_brief *results) {
+    film_routines(instructions)
+        ->slide[springs < FILM_MOST_SPRINGS](count, places, springs, estimated, numbers, friction, rows, shared, steps, knots, force, radius, results);
 }

@@ -3,7 +3,6 @@
 #define FILM_LANE_LOAD_H
 
 #include "lanes/film_lane_line.h"
-#include "lanes/film_lane_map.h"
 #include "lanes/film_lane_taylor.h"
 
 enum { AIM_STEPS = 8 };

@@ -4,9 +4,10 @@
 #include "lanes/film_lane_fixed.h"
 #include "lanes/film_lane_load.h"
 #include "lanes/film_lane_sample.h"
-#include "lanes/film_lane_slide.h"
 #include "lanes/film_lane_spring.h"
 #include "lanes/film_lane_unload.h"
+
+#include "lanes/film_lane_springs.h" /* last: it gives names another meaning */
 
 #ifndef FILM_ROUTINES
 #define FILM_ROUTINES film_plain
@@ -37,4 +38,5 @@ static void shape_lanes(const batch_job *j, int32_t pieces, const double (*of)[L
 }
 
 FILM_OWN const block_routines FILM_ROUTINES = {shape_lanes, fixed_lanes, spring_lanes, load_lanes, leave_lanes, unload_lanes,
-                                               retrace_lanes, damped_contact_lanes, sample_lanes, slide_lanes};
+                                               retrace_lanes, damped_contact_lanes, sample_lanes,
+                                               {slide_lanes_double, slide_lanes_single}};

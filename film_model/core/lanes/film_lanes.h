@@ -138,9 +138,9 @@ typedef struct {
     /* the five values of film_evaluate at times on a contact's lines: value k of time i to values[k stride + i] */
     void (*sample)(const film_curve *curve, const film_line *lines, int32_t line_count, const double *times, int64_t count,
                    double *values, int64_t stride);
-    /* film_springs_many */
-    void (*slide)(int64_t count, int32_t springs, int32_t estimated, const double *numbers, const double *friction, int32_t rows, int shared, int64_t steps,
-                  int64_t knots, const double *force, const double *radius, film_springs_brief *results);
+    /* film_springs_many, in numbers of double precision, and of single */
+    void (*slide[2])(int64_t count, const int64_t *places, int32_t springs, int32_t estimated, const double *numbers, const double *friction, int32_t rows,
+                     int shared, int64_t steps, int64_t knots, const double *force, const double *radius, film_springs_brief *results);
 } block_routines;
 
 extern const block_routines film_plain;

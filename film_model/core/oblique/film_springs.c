@@ -15,8 +15,7 @@ enum {
  * proportion to the distance, as B2(1/2 + 1/sqrt(12)) = 0; so where the contact is largest. */
 static const double EDGE = 0.28867513459481287;
 static const double SPHERE = 2.0;  /* power of a sphere */
-static const double SECOND = 0.25;   /* differences fall by this when springs and steps are doubled: the rest is a third of the last */
-static const double SLOWEST = 0.75;  /* the most by which they are taken to fall */
+static const double BEFORE = 0.0625; /* part of the difference before the last in the error of the finest run: the last may be small by chance */
 /* Share of the impulse of friction that may lack to its limit in a contact that slides throughout: what 32 springs in 128 steps resolve
  * (test_regimes_of_batches_are_those_of_single_impacts). */
 static const double SLIDES = 3e-4;
@@ -195,13 +194,6 @@ void film_springs_take(film_springs *state, double time, const double *table, in
     if (rows > 0) state->friction = film_friction_at(table, rows, fabs(state->v + time * (state->push - state->q / state->mass)));
 }
 
-/* The error of the finest of three runs, by the differences of two: the last times the sum of a geometric series, and the one before as
- * if of second order, in case the last is small by chance. */
-static double left_over(double last, double before) {
-    double falls = before > 0.0 ? fmin(fmax(last / before, SECOND), SLOWEST) : SECOND;
-    return fmax(last * falls, before * SECOND * SECOND) / (1.0 - falls);
-}
-
 /* The regime, by which a contact that slides throughout has no other phase. */
 static void judge(film_springs_impact_result *result) {
     film_watch *watch = &result->watch;
@@ -230,7 +222,7 @@ int film_springs_begin(film_springs *runs, int32_t all, int32_t count, double mo
 }
 
 int film_springs_end(film_springs_impact_result *result, double last, double before, double limits, double used) {
-    result->error += left_over(last, before);
+    result->error += last + BEFORE * before;
     result->slack = limits > 0.0 ? 1.0 - used / limits : 0.0;
     judge(result);
     return isfinite(result->velocity + result->error) ? FILM_OK : FILM_BAD_NUMBER;

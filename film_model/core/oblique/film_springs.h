@@ -114,11 +114,11 @@ FILM_API void film_springs_impulses(int64_t count, int64_t knots, const double *
  * of the kink. */
 FILM_API void film_springs_roughness(int64_t count, int64_t knots, const double *legs, const double *values, double *roughness);
 
-/* count impacts side by side, without their motions. numbers: of each modulus, power, mass, velocity and three times as
+/* The `count` impacts at some places of the others, side by side, without their motions; in single precision but for FILM_MOST_SPRINGS. numbers: of each modulus, power, mass, velocity and three times as
  * film_springs_knots. friction: `rows` pairs of all if shared is 1, else of each. steps: of each leg, a multiple of 4 up to FILM_MOST_STEPS. force,
  * radius: at the times of film_springs_knots, with cubics between; the radius may jump at the kink and at the turn. knots: at least 3. estimated:
  * 0 for an error of 0, without the runs that tell it. */
-FILM_API void film_springs_many(int instructions, int64_t count, int32_t springs, int32_t estimated, const double *numbers,
+FILM_API void film_springs_many(int instructions, int64_t count, const int64_t *places, int32_t springs, int32_t estimated, const double *numbers,
                                 const double *friction, int32_t rows, int shared, int64_t steps, int64_t knots, const double *force, const double *radius,
                                 film_springs_brief *results);
 

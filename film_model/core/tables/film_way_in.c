@@ -1,5 +1,5 @@
 /* Table of a whole way: depth and time. Written by examples/map_tables.py, which has the equations.
- * Relative error: at most 4e-16. film_lane_map.h evaluates it. docs/method.md, section 10. */
+ * Relative error: at most 4e-16. film_lane_power.h evaluates it. docs/method.md, section 10. */
 #include "tables/film_job.h"
 
 const double film_way_in[MAP_PIECES * FILM_WAY_IN_TERMS * FILM_WAY_IN_VALUES + 2] = {

@@ -58,7 +58,7 @@ void film_sample_many(int instructions, const film_curve *curve, int64_t count, 
     for (int64_t i = 0, stride = count * samples; i < count; i++) {
         const double *own = &times[i * samples];
         int known = line_counts[i] > 0 && samples > 0 && isfinite(own[samples - 1]);
-        if (known) run->sample(curve, lines, line_counts[i], own, samples, &values[i * samples], stride);
+        if (known) run->sample(curve, lines, line_counts[i], own, samples, 0, &values[i * samples], stride);
         else sample_nothing(samples, &values[i * samples], stride);
         lines += line_counts[i];
     }

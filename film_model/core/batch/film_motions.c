@@ -56,7 +56,7 @@ static int one_motion(const film_motions *m, const film_curve *curve, const film
     int status = film_record_one(curve, mesh, start, m->lines, m->line_room, &lines, m->events, m->event_room);
     if (status < 0) return status;
     if (!slope && (legs[2] = yields_at(curve, m->lines, lines)) > 0.0) bend_times(samples / 2 - 1, legs, times);
-    film_routines(m->instructions)->sample(curve, m->lines, lines, times, samples, m->sampled, samples);
+    film_routines(m->instructions)->sample(curve, m->lines, lines, times, samples, 1, m->sampled, samples);
     memcpy(depth, m->sampled, (size_t)samples * sizeof *depth);
     memcpy(force, m->sampled + 2 * samples, (size_t)samples * sizeof *force);
     if (slope) film_springs_slopes(curve, samples, force, depth, slope);

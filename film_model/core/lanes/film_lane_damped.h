@@ -196,10 +196,11 @@ static void start_damped(const batch_job *j, const int64_t *index, int count, da
     EACH(l) longest[l] *= 1.2 * m / s->nu[l];
     damped_force(form, w, s->z, s->nu, s->peak);
     for (int event = 0; event < MARKS; event++) event_values(form, w, event, s->z, s->nu, s->value[event]);
-    EACH(l) { /* a damping force that begins at 0 rises, an impactor that moves away does not stop */
+    EACH(l) { /* a damping force that begins at 0 rises, an impactor that moves away does not stop, and motions need neither */
         s->value[AT_PEAK][l] = form->damping > 0 ? 1.0 : s->value[AT_PEAK][l];
         s->value[AT_RELEASE][l] = 1.0;
-        s->passed[AT_STOP][l] = s->value[AT_STOP][l] > 0.0 ? 0.0 : 1.0;
+        s->passed[AT_STOP][l] = s->value[AT_STOP][l] > 0.0 && j->motions == NULL ? 0.0 : 1.0;
+        s->passed[AT_PEAK][l] = j->motions == NULL ? 0.0 : 1.0;
     }
 }
 

@@ -135,9 +135,9 @@ typedef struct {
     void (*retrace)(batch_job *j, int32_t stage, const int64_t *index, int count, lanes *s, const double *stored);
     /* impacts under a damped power law, from first touch to the end of contact */
     void (*damped)(batch_job *j, const int64_t *index, int count);
-    /* the five values of film_evaluate at times on a contact's lines: value k of time i to values[k stride + i] */
+    /* the five values of film_evaluate at times on a contact's lines: value k of time i to values[k stride + i]; or rough ones */
     void (*sample)(const film_curve *curve, const film_line *lines, int32_t line_count, const double *times, int64_t count,
-                   double *values, int64_t stride);
+                   int rough, double *values, int64_t stride);
     /* film_springs_many, in numbers of double precision, and of single */
     void (*slide[2])(int64_t count, const int64_t *places, int32_t springs, int32_t estimated, const double *numbers, const double *friction, int32_t rows,
                      int shared, int64_t steps, int64_t knots, const double *force, const double *radius, film_springs_brief *results);

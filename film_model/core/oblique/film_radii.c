@@ -4,11 +4,13 @@
 
 #include <math.h>
 
-static double known(double x) { return isfinite(x) && x > 0.0 ? x : 0.0; }
+static double known(double x) { return x > 0.0 && x < INFINITY ? x : 0.0; }
+
+static double larger(double a, double b) { return a > b ? a : b; } /* of numbers: fmax is a call */
 
 /* A radius in loading: a law whose radius or slope falls where it yields, or whose slope jitters, releases nothing that touches. */
 static double kept(double radius, int64_t i, const double *depth, const double *radii) {
-    return i > 0 && depth[i] >= depth[i - 1] ? fmax(known(radius), radii[i - 1]) : known(radius);
+    return i > 0 && depth[i] >= depth[i - 1] ? larger(known(radius), radii[i - 1]) : known(radius);
 }
 
 /* dF/dz at a depth of a loading or unloading, of which these are the first and last: parabolas through three depths, lines at the ends. */
@@ -29,8 +31,9 @@ typedef struct {
 } dent;
 
 static double in_dent(const dent *d, double depth) {
-    double way = fmax(d->deepest - d->left, 1e-300); /* 1e-300: no division by 0 */
-    return d->whole * sqrt(fmin(fmax((depth - d->left) / way, 0.0), 1.0));
+    double way = larger(d->deepest - d->left, 1e-300); /* 1e-300: no division by 0 */
+    double part = larger((depth - d->left) / way, 0.0);
+    return d->whole * sqrt(part < 1.0 ? part : 1.0);
 }
 
 static void radii_of_contact(int64_t count, const double *force, const double *depth, const double *law, double modulus, dent *d,

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import film_model as fm
+from film_model.core import springs
 from film_model.laws.example_ball import example_ball, example_law
 
 EFFECTIVE_MODULUS = 1 / ((1 - 0.28**2) / 600e9 + (1 - 0.30**2) / 210e9)  # Pa, tungsten carbide on steel
@@ -158,3 +159,11 @@ def creeps(*restitutions):
     """Whether one of two results ends, with no velocity, and the other, whose restitution is None or nan, does not."""
     ended = [value for value in restitutions if value is not None and not math.isnan(value)]
     return len(ended) == 1 and abs(ended[0]) < CREEPING
+
+
+def knots_of(count, legs):
+    """Times of `count` + 1 moments of each leg of contacts, (impacts, times); legs as of `springs.impulses`."""
+    legs = np.ascontiguousarray(legs, np.float64)
+    times = np.empty((len(legs), 2 * (count + 1)))
+    springs._library().film_springs_knots(len(legs), count, legs.ctypes.data, times.ctypes.data)
+    return times

@@ -3,6 +3,7 @@ beside finer normal motions."""
 
 import numpy as np
 import pytest
+from cases import knots_of
 
 import film_model as fm
 from film_model.core import springs as core
@@ -118,7 +119,7 @@ def test_a_kink_is_a_knot_of_motions_and_cubics_end_there():
     """Forces t, and beyond a kink 1 + 3 (t - 1)², over contacts whose turn is at 1.01 to 30."""
     turn = np.geomspace(1.01, 30.0, 50)
     legs, knots = np.stack([turn, 2.0 * turn, np.ones(50)], axis=1), 32
-    times = core.knots(knots, legs)
+    times = knots_of(knots, legs)
     assert (np.diff(times[:, : knots + 1]) > 0.0).all() and (times == 1.0).any(axis=1).all()
     force = np.where(times < 1.0, times, 1.0 + 3.0 * (times - 1.0) ** 2)
     force[:, knots + 1 :] = 0.0

@@ -6,6 +6,7 @@ import warnings
 
 import numpy as np
 import pytest
+from cases import knots_of
 from scipy.integrate import trapezoid
 
 import film_datasets as fd
@@ -143,7 +144,7 @@ def test_neighbours_that_slip_longer_change_no_bit(power):
     """Springs of contacts that slide side by side are skipped until the first of these sticks."""
     count, knots = 40, 31
     legs = np.array([[1.0, 2.0, 0.0]]) * np.geomspace(0.5, 2.0, count)[:, None]
-    half = np.sin(0.5 * np.pi * springs.knots(knots, legs) / legs[:, :1])
+    half = np.sin(0.5 * np.pi * knots_of(knots, legs) / legs[:, :1])
     half = np.maximum(half, 0.0)
     force, radius = half**1.5, half ** (0.5 if power > 0.0 else 0.0)
     numbers = np.stack(
@@ -156,7 +157,7 @@ def test_neighbours_that_slip_longer_change_no_bit(power):
     for row in range(count):
         assert springs.many(np.array([row]), *given)[0] == many[row]
     slides = many["regime"] == 2
-    after = numbers[:, 3] - 0.3 * trapezoid(force, springs.knots(knots, legs), axis=1) / 0.3
+    after = numbers[:, 3] - 0.3 * trapezoid(force, knots_of(knots, legs), axis=1) / 0.3
     assert many["velocity"][slides] == pytest.approx(after[slides], abs=1e-3)
 
 

@@ -78,23 +78,15 @@ def impact(
     return found if status == native.OK else None, motion
 
 
-def knots(count: int, legs: Array) -> Array:
-    """Times of `count` + 1 moments of each leg of contacts, (impacts, times). legs: turn, end and a kink of the force
-    before the turn, 0 for none, (impacts, 3)."""
-    legs = np.ascontiguousarray(legs, np.float64)
-    times = np.empty((len(legs), 2 * (count + 1)))
-    _library().film_springs_knots(len(legs), count, legs.ctypes.data, times.ctypes.data)
-    return times
-
-
 def impulses(force: Array, legs: Array) -> Array:
-    """Of forces at the times of :func:`knots`, (impacts, times)."""
+    """Of forces at the knots of legs, (impacts, times). legs: turn, end and a kink of the force before the turn, 0 for
+    none, (impacts, 3)."""
     return _of_knots(_library().film_springs_impulses, force, legs)
 
 
 def roughness(values: Array, legs: Array) -> Array:
     """By how much of the largest of some values up to the turn at most every other lies beside the cubic through its
-    neighbours on one side of the kink; (impacts, times) of :func:`knots`."""
+    neighbours on one side of the kink, as :func:`impulses`."""
     return _of_knots(_library().film_springs_roughness, values, legs)
 
 
@@ -116,8 +108,8 @@ def many(
     estimated: bool = True,
 ) -> NDArray[Any]:
     """Results (MANY_DTYPE) of the impacts at some places of all, without their motions. steps: of a leg. friction:
-    pairs as in :func:`impact`, of all or (impacts, pairs, 2). numbers: modulus, power, mass, velocity and the times of
-    :func:`knots`, (impacts, 7). force, radius: at the times of :func:`knots`. estimated: or with an error of 0."""
+    pairs as in :func:`impact`, of all or (impacts, pairs, 2). numbers: modulus, power, mass, velocity and legs as of
+    :func:`impulses`, (impacts, 7). force, radius: at the knots. estimated: or with an error of 0."""
     numbers, friction, force, radius = (
         np.ascontiguousarray(values, np.float64) for values in (numbers, friction, force, radius)
     )

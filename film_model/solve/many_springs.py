@@ -209,7 +209,8 @@ def _followed(
                 continue
             run = core.many(own, level, steps // 2, table, numbers, seen.force, seen.radii[0])
             wanted[own] = np.inf
-            own, run = (values[run["status"] == native.OK] for values in (own, run))
+            known = run["status"] == native.OK
+            own, run = own[known], run[known]
             at = some[own]
             after[0, at], slack[0, at], error[0, at] = run["velocity"], run["slack"], run["error"]
             peak[at], regime[at], when[at] = run["force"], run["regime"], run["time"]

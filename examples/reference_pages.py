@@ -20,18 +20,7 @@ from film_model.laws.law import FAMILIES, SCENE_FIELDS, law_fields
 from film_model.laws.unloading import UNLOADINGS
 from film_model.plot import plot_laws
 from film_model.studies.explain import effects_text
-from film_model.targets import TARGETS
-
-TARGET_RULES = {
-    "boundary_reflections": "reflections",
-    "thickness": "thickness_effect",
-    "wave_losses": "wave_losses",
-    "stretching": "stretching",
-    "bending_strength": "bending_strength",
-    "cross_bending": "cross_bending",
-    "omitted_modes": "omitted_modes",
-}
-"""Effects that the target itself judges, and the method that does."""
+from film_model.targets import TARGETS, AbstractTarget
 
 DOCS, SCENES = Path(__file__).parents[1] / "docs", Path(__file__).parent / "scenes"
 README = DOCS.parent / "README.md"
@@ -81,7 +70,8 @@ def effects_page() -> str:
         f"| `{name}` | {what} | {known[name].indicator} | {known[name].source} |" for name, what in COMPUTED.items()
     )
     rules = {name: rule for name, rule in RULES.items() if name not in COMPUTED}
-    texts = {name: _shown(judge.__doc__).partition("\n\n") for name, (_, judge) in rules.items()}
+    given = {n: getattr(AbstractTarget, rule) if isinstance(rule, str) else rule for n, (_, rule) in rules.items()}
+    texts = {name: _shown(rule.__doc__).partition("\n\n") for name, rule in given.items()}
     texts = {name: (what.rstrip("."), f"{how}\n\n{_by_target(name)}".strip()) for name, (what, _, how) in texts.items()}
     judged = "\n\n".join(f"### {name.replace('_', ' ')}\n\n{how}" for name, (_, how) in texts.items() if how)
     sources = "\n".join(
@@ -149,10 +139,10 @@ Estimated to first order: the order of magnitude.
 
 def _by_target(effect: str) -> str:
     """How each kind of target judges an effect, a paragraph each; kinds that do it alike in one."""
-    method = TARGET_RULES.get(effect, "")
+    method = RULES[effect][1]
     kinds: dict[str, list[str]] = {}
     for kind, target in TARGETS.items():
-        if method in vars(target):
+        if isinstance(method, str) and method in vars(target):
             kinds.setdefault(_shown(vars(target)[method].__doc__), []).append(kind)
     return "".join(f"**{', '.join(names)}** — {text}\n\n" for text, names in kinds.items())
 

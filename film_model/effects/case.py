@@ -1,20 +1,15 @@
-"""One impact in the form that the rules for neglected effects take, and the effects that they return."""
+"""One impact in the form that the rules for neglected effects take."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from typing import Any, NamedTuple
 
 from film_model.base.arrays import either, greater, ratio
-from film_model.effects.effect import NOT_JUDGED, NOT_MODELLED, NOT_NEEDED, Effect, agreeing
 from film_model.problem.problem import Problem
 from film_model.scene import Scene
 from film_model.scene.noses import elastic_radius
-from film_model.targets import AbstractTarget, Estimate, Impact
-
-ABSENT = "not supported"
-"""Cost of an effect that this package cannot simulate."""
+from film_model.targets import Impact
 
 YIELDS = 1e-9
 """Absorbed fraction of the impact energy above which something has yielded."""
@@ -47,41 +42,6 @@ class Case(NamedTuple):
     problem: Problem
     scene: Scene
     seen: Impact
-
-
-class Rule(NamedTuple):
-    """Name, indicator and source of an effect, with which a rule makes its answer."""
-
-    name: str
-    indicator: str
-    source: str
-
-    def unjudged(self, why: str, value: float | None = None, threshold: float | None = None) -> Effect:
-        """The effect cannot be judged; `why` names the missing entry or knowledge."""
-        return Effect(self.name, self.indicator, value, threshold, None, NOT_JUDGED, why, self.source, ABSENT)
-
-    def absent(self, why: str) -> Effect:
-        """The effect cannot occur in this scene."""
-        return Effect(self.name, self.indicator, None, None, 0.0, NOT_NEEDED, why, self.source)
-
-    def failing(self, why: str, value: float | None = None, threshold: float | None = None) -> Effect:
-        """The effect matters, by an unknown amount."""
-        return Effect(self.name, self.indicator, value, threshold, None, NOT_MODELLED, why, self.source, ABSENT)
-
-    def sized(
-        self,
-        tolerance: float,
-        value: float,
-        threshold: float | None,
-        size: float,
-        why: str,
-        cost: str = ABSENT,
-        below: bool = False,
-    ) -> Effect:
-        """The effect changes the summary by `size`. below: it matters if the indicator is below the threshold."""
-        state = NOT_MODELLED if size > tolerance else NOT_NEEDED
-        limit = threshold if below else agreeing(value, threshold, size, tolerance)
-        return Effect(self.name, self.indicator, value, limit, size, state, why, self.source, cost)
 
 
 def absorbed(problem: Problem) -> float:
@@ -125,25 +85,3 @@ def case_of(problem: Problem, vibrates: bool) -> Case:
         held=(still.contact_duration * units.time, softness),
     )
     return Case(problem, scene, seen)
-
-
-def by_target(method: str) -> Callable[[Case, Rule], Effect]:
-    """The rule of an effect that this method of the target estimates."""
-
-    def judge(case: Case, rule: Rule) -> Effect:
-        found: Estimate = getattr(case.scene.target, method)(case.seen)
-        rule = rule if found.indicator is None else rule._replace(indicator=found.indicator)
-        if not found.applies:
-            return rule.absent(found.reason)
-        if found.fails:
-            return rule.failing(found.reason, found.value, found.threshold)
-        if found.change is None or found.value is None:
-            return rule.unjudged(found.reason, found.value, found.threshold)
-        cost, reason = ABSENT, found.reason
-        if found.remedy is not None:
-            cost = f"{ABSENT}: {found.remedy}"
-            reason += f": {found.remedy}" if found.change > case.seen.tolerance else ""
-        return rule.sized(case.seen.tolerance, found.value, found.threshold, found.change, reason, cost)
-
-    judge.__doc__ = getattr(AbstractTarget, method).__doc__
-    return judge

@@ -10,6 +10,9 @@ NOT_MODELLED, NOT_JUDGED = "needed but not modelled", "not judged"
 FREE = "none"
 """Cost of an effect that takes no additional segments."""
 
+ABSENT = "not supported"
+"""Cost of an effect that this package cannot simulate."""
+
 DAMPED, PUSHED = "each 3.5 × the time", "each 2 × the time"
 """Time per segment with target motion, and with a load, over that without; measured by `benchmarks/effects.py`."""
 

@@ -8,13 +8,32 @@ is taken as 0 is named. The changes are first-order estimates: the order of magn
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import NamedTuple
 
 from film_model.effects import large_slope, oblique_limits
 from film_model.effects import material_rules as materials
-from film_model.effects.case import Case, Rule, by_target, case_of
-from film_model.effects.effect import Effect
+from film_model.effects.case import Case, case_of
+from film_model.effects.effect import (
+    ABSENT,
+    NOT_JUDGED,
+    NOT_MODELLED,
+    NOT_NEEDED,
+    SIMULATED,
+    Effect,
+    agreeing,
+)
 from film_model.effects.surroundings import air_drag, roughness, squeeze_film
 from film_model.problem.problem import Problem
+from film_model.targets import Estimate
+
+
+class Rule(NamedTuple):
+    """Name, indicator and source of an effect that is estimated."""
+
+    name: str
+    indicator: str
+    source: str
+
 
 OF_BALLS = (materials.adhesion, materials.fracture, air_drag, roughness, squeeze_film)
 """Rules that hold for balls only."""
@@ -26,9 +45,7 @@ def judge(problem: Problem, vibrates: bool) -> dict[str, Effect]:
     vibrates: the target does; `problem` is then the impact on its impedance or static stiffness.
     """
     case = _case(problem, vibrates)
-    if case is None or problem.scene.nose is not None:
-        return {name: _apply(name, problem, case) for name in RULES}
-    return {name: judge_case(case, rule) for name, (rule, judge_case) in RULES.items()}
+    return {name: _apply(name, problem, case) for name in RULES}
 
 
 def judged(problem: Problem, name: str) -> Effect:
@@ -43,39 +60,61 @@ def _case(problem: Problem, vibrates: bool) -> Case | None:
 
 
 def _apply(name: str, problem: Problem, case: Case | None) -> Effect:
-    rule, judge_case = RULES[name]
-    if problem.scene.nose is not None and judge_case in OF_BALLS:
-        return rule.unjudged("known for balls only")
-    if case is not None:
-        return judge_case(case, rule)
-    if judge_case is oblique_limits.obliqueness:
-        return oblique_limits.oblique(problem.scene, rule, None, problem.scene.effect_tolerance)
-    ends = "the target is too soft for an estimate of the indentation" if problem.trial.ends else "contact did not end"
-    return rule.unjudged("the impactor has no velocity" if problem.approach == 0.0 else ends)
+    (rule, estimate), scene = RULES[name], problem.scene
+    if scene.nose is not None and estimate in OF_BALLS:
+        found = Estimate("known for balls only")
+    elif case is not None:
+        found = getattr(scene.target, estimate)(case.seen) if isinstance(estimate, str) else estimate(case)
+    elif estimate is oblique_limits.obliqueness:
+        found = oblique_limits.oblique(scene, None)
+    elif problem.approach == 0.0:
+        found = Estimate("the impactor has no velocity")
+    else:
+        soft = "the target is too soft for an estimate of the indentation"
+        found = Estimate(soft if problem.trial.ends else "contact did not end")
+    return effect_of(rule, found, scene.effect_tolerance)
 
 
-_TABLE: dict[str, tuple[str, str, Callable[[Case, Rule], Effect]]] = {
+def effect_of(rule: Rule, found: Estimate, tolerance: float) -> Effect:
+    """What a rule found, as an effect. tolerance: change from which it matters."""
+    name, indicator, source = rule
+    indicator, value, limit, size = found.indicator or indicator, found.value, found.threshold, found.change
+    if not found.applies:
+        return Effect(name, indicator, None, None, 0.0, NOT_NEEDED, found.reason, source)
+    if found.simulated:
+        return Effect(name, indicator, value, limit, size, SIMULATED, found.reason, source)
+    if found.fails or size is None or value is None:
+        state = NOT_MODELLED if found.fails else NOT_JUDGED
+        return Effect(name, indicator, value, limit, None, state, found.reason, source, ABSENT)
+    state, cost, reason = NOT_MODELLED if size > tolerance else NOT_NEEDED, ABSENT, found.reason
+    if found.remedy is not None:
+        cost, reason = f"{ABSENT}: {found.remedy}", reason + (f": {found.remedy}" if size > tolerance else "")
+    limit = limit if found.below else agreeing(value, limit, size, tolerance)
+    return Effect(name, indicator, value, limit, size, state, reason, source, cost)
+
+
+_TABLE: dict[str, tuple[str, str, str | Callable[[Case], Estimate]]] = {
     "boundary_reflections": (
         "t_c/t_return",
         "fitted to sums over the modes of simply supported plates struck at the centre; one-dimensional waves in a rod",
-        by_target("reflections"),
+        "reflections",
     ),
     "thickness": (
         "k h",
         "Zener 1941; three-dimensional waves of a layer, to first order",
-        by_target("thickness_effect"),
+        "thickness_effect",
     ),
-    "stretching": ("deflection/h", "Berger 1955, J. Appl. Mech. 22:465, in one term", by_target("stretching")),
+    "stretching": ("deflection/h", "Berger 1955, J. Appl. Mech. 22:465, in one term", "stretching"),
     "bending_strength": (
         "bending stress/strength",
         "infinite plate under a sudden force; Westergaard in Timoshenko & Woinowsky-Krieger 1959",
-        by_target("bending_strength"),
+        "bending_strength",
     ),
-    "cross_bending": ("-", "response to a half-sine; classical lamination theory", by_target("cross_bending")),
+    "cross_bending": ("-", "response to a half-sine; classical lamination theory", "cross_bending"),
     "omitted_modes": (
         "Ω T/π",
         "response to a half-sine of the contact time T on a fixed target",
-        by_target("omitted_modes"),
+        "omitted_modes",
     ),
     "small_slope": (
         "a/R",
@@ -85,11 +124,11 @@ _TABLE: dict[str, tuple[str, str, Callable[[Case, Rule], Effect]]] = {
     "contact_width": (
         "a/h",
         "half-space laws fail for contacts wider than the plate thickness",
-        by_target("contact_width"),
+        "contact_width",
     ),
     "adhesion": ("V/V_s", "Thornton & Ning 1998; work of separation by Johnson, Kendall & Roberts", materials.adhesion),
     "material_damping": ("tan δ", "Lee & Radok 1960; Ting 1966, with a modulus t^−β", materials.material_damping),
-    "wave_losses": ("E_waves/E", "Lamb's problem, Miller & Pursey 1955", by_target("wave_losses")),
+    "wave_losses": ("E_waves/E", "Lamb's problem, Miller & Pursey 1955", "wave_losses"),
     "heating": ("plastic work/volume, J/m³", "balance of energy", materials.heating),
     "fracture": (
         "force/least force of a crack",
@@ -114,6 +153,6 @@ _TABLE: dict[str, tuple[str, str, Callable[[Case, Rule], Effect]]] = {
         oblique_limits.obliqueness,
     ),
 }
-"""Name → indicator, source and rule."""
+"""Name → indicator, source, and the estimate: a function, or the name of a method of the target."""
 
 RULES = {name: (Rule(name, indicator, source), rule) for name, (indicator, source, rule) in _TABLE.items()}

@@ -16,13 +16,14 @@ import math
 from typing import Any, cast
 
 from film_model.base.arrays import any_of
-from film_model.effects.case import Case, Rule
+from film_model.effects.case import Case
 from film_model.effects.effect import FREE, NOT_MODELLED, SIMULATED, Effect, off_state
 from film_model.laws.hertz import hertz_stiffness
 from film_model.laws.large_slope import BALL
 from film_model.problem.law_of_scene import STEEP, YIELDING
 from film_model.problem.problem import Problem
 from film_model.scene import Scene
+from film_model.targets import Estimate
 
 COMPUTED = 0.5
 """√(δ/R) up to which finite elements were computed."""
@@ -61,23 +62,23 @@ def _change(coefficient: Any, depth: Any) -> Any:
     return steepness / (2.0 + steepness)
 
 
-def judge(case: Case, rule: Rule) -> Effect:
+def judge(case: Case) -> Estimate:
     """Hertz's half-spaces and paraboloids instead of balls: the change of the force at the energy of the impact."""
     scene = case.scene
     modulus, radius, coefficient = scene.effective_modulus, scene.effective_radius, scene.slope_coefficient
     if scene.nose is not None:
         beyond = case.seen.contact_radius / scene.impactor.radius
         if beyond > 1.0:
-            return rule.failing(f"the {scene.impactor.shape} is pressed in beyond its base", beyond, 1.0)
-        return rule.unjudged("known for balls only", beyond)
+            return Estimate(f"the {scene.impactor.shape} is pressed in beyond its base", beyond, 1.0, fails=True)
+        return Estimate("known for balls only", beyond)
     if modulus is None:
-        return rule.unjudged("missing: an effective modulus")
+        return Estimate("missing: an effective modulus")
     if case.problem.law.name == YIELDING and case.seen.indentation <= DEEPEST * radius:
-        return rule.absent(f"law {YIELDING} is that of finite elements with large slopes")
+        return Estimate(f"law {YIELDING} is that of finite elements with large slopes", applies=False)
     seen = case.seen
     if seen.indentation > DEEPEST * radius:
         why = f"the indentation is {seen.indentation / radius:.3g} times the radius: no contact law is valid so deep"
-        return rule.failing(why, seen.contact_radius / radius, math.sqrt(DEEPEST))
+        return Estimate(why, seen.contact_radius / radius, math.sqrt(DEEPEST), fails=True)
     hertz = (seen.force / hertz_stiffness(modulus, radius)) ** (2.0 / 3.0)  # elastic part of the indentation
     size = _change(BALL if coefficient is None else coefficient, hertz / radius) * hertz / seen.indentation
     value = seen.contact_radius / radius
@@ -86,8 +87,8 @@ def judge(case: Case, rule: Rule) -> Effect:
     why += "" if value <= COMPUTED else f"; computed was up to {COMPUTED:g} R"
     if coefficient is None and size > seen.tolerance:
         why = f"missing: impactor.material; if the target is much stiffer, {why}"
-        return rule.unjudged(why, value, threshold)
-    return rule.sized(seen.tolerance, value, threshold, min(size, 1.0), why)
+        return Estimate(why, value, threshold)
+    return Estimate(why, value, threshold, min(size, 1.0))
 
 
 def settled(effect: Effect, problem: Problem) -> Effect:

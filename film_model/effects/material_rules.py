@@ -6,17 +6,17 @@ import math
 
 from film_model.base.materials import Material
 from film_model.base.units import format_si
-from film_model.effects.case import YIELDS, Case, Rule
-from film_model.effects.effect import Effect
+from film_model.effects.case import YIELDS, Case
 from film_model.laws.damping import LOSS_SLOPE, loss_restitution
 from film_model.laws.hertz import hertz_stiffness
 from film_model.problem.brittle import BRITTLE, bodies, factors, failure, own_radius
 from film_model.problem.stresses import edge_tension
+from film_model.targets import Estimate
 
 _BRITTLE = f"{', '.join(BRITTLE[:-1])} or {BRITTLE[-1]}"
 
 
-def adhesion(case: Case, rule: Rule) -> Effect:
+def adhesion(case: Case) -> Estimate:
     """Work to separate the surfaces: the restitution falls.
 
         e² falls by (V_s/V)²,  V_s = √(2 · 7.0922 (Γ⁵R⁴/E²)^{1/3}/m)
@@ -28,9 +28,9 @@ def adhesion(case: Case, rule: Rule) -> Effect:
     scene = case.scene
     modulus, work = scene.effective_modulus, scene.work_of_adhesion
     if case.problem.curve.pulls:
-        return rule.absent(f"it is in the law {case.problem.law.name}")
+        return Estimate(f"it is in the law {case.problem.law.name}", applies=False)
     if work is None or modulus is None:
-        return rule.unjudged("missing: contact.work_of_adhesion" if work is None else "missing: an effective modulus")
+        return Estimate("missing: contact.work_of_adhesion" if work is None else "missing: an effective modulus")
     from film_model.laws.jkr import JKR_LOSS
 
     parting = JKR_LOSS * (work**5 * _radius_of_parting(case, modulus) ** 4 / modulus**2) ** (1.0 / 3.0)
@@ -43,7 +43,7 @@ def adhesion(case: Case, rule: Rule) -> Effect:
     if scene.contact.work_of_adhesion is None:
         origin = f"at most {work:.2g} J/m^2 from the surface energies of both materials"
     why = f"the impact is at {value:.3g} times {what}, with {origin}"
-    return rule.sized(case.seen.tolerance, value, value * math.sqrt(size / case.seen.tolerance), size, why, below=True)
+    return Estimate(why, value, value * math.sqrt(size / case.seen.tolerance), size, below=True)
 
 
 def _radius_of_parting(case: Case, modulus: float) -> float:
@@ -55,7 +55,7 @@ def _radius_of_parting(case: Case, modulus: float) -> float:
     return max(radius, (case.seen.force / (hertz_stiffness(modulus, 1.0) * recovered**1.5)) ** 2)
 
 
-def material_damping(case: Case, rule: Rule) -> Effect:
+def material_damping(case: Case) -> Estimate:
     """Material damping: loss factors tan δ take the fraction 1 − e² of the elastic energy.
 
         e = 1 − 1.2048 tan δ    of a modulus t^−β, tan δ = tan(πβ/2) (Lee & Radok, Ting): to 1 % up to tan δ = 0.12
@@ -65,23 +65,24 @@ def material_damping(case: Case, rule: Rule) -> Effect:
     elastoplastic. No law both yields and damps, or damps on a static stiffness: a warning says what is left out.
     """
     if case.problem.law.damped:
-        return rule.absent(f"it is in the law {case.problem.law.name}")
+        return Estimate(f"it is in the law {case.problem.law.name}", applies=False)
     scene, modulus = case.scene, case.scene.effective_modulus
     bodies = {"impactor": scene.impactor.material, "target": scene.target.material}
     relaxing = [part for part, m in bodies.items() if m is not None and m.prony is not None]
     if len(relaxing) == len(bodies):
-        return rule.absent("the effect viscoelasticity accounts for it: both materials have a prony series")
+        return Estimate("the effect viscoelasticity accounts for it: both materials have a prony series", applies=False)
     known = {part: m for part, m in bodies.items() if m is not None and (m.loss_factor is not None or part in relaxing)}
     missing = [part for part in bodies if part not in known]
     # softer than 5 GPa: a plastic, rubber or foam, whose losses no impact is without
     polymer = [part for part in missing if (m := bodies[part]) is not None and m.youngs_modulus < 5e9]
     if polymer:
-        return rule.failing(
+        return Estimate(
             f"the loss factor of the {polymer[0]}, as soft as a polymer, is not known, so the restitution is too high: "
-            'give loss_factor or prony, or law = "hunt-crossley" with a measured restitution'
+            'give loss_factor or prony, or law = "hunt-crossley" with a measured restitution',
+            fails=True,
         )
     if not known:
-        return rule.unjudged("missing: " + " and ".join(f"{part}.material.loss_factor" for part in missing))
+        return Estimate("missing: " + " and ".join(f"{part}.material.loss_factor" for part in missing))
     soft = {part: (1.0 - m.poissons_ratio**2) / m.youngs_modulus for part, m in bodies.items() if m is not None}
     total = sum(soft.values()) if len(soft) == len(bodies) or modulus is None else 1.0 / modulus
     value = scene.loss_factor or 0.0
@@ -93,27 +94,27 @@ def material_damping(case: Case, rule: Rule) -> Effect:
     if missing:
         given = sum(soft[part] for part in known) / total
         if size <= case.seen.tolerance and given < 0.9:
-            return rule.unjudged(f"missing: {missing[0]}.material.loss_factor; without it, {why}", value)
+            return Estimate(f"missing: {missing[0]}.material.loss_factor; without it, {why}", value)
         why += f"; the loss factor of the {missing[0]} is not given and taken as 0"
-    return rule.sized(case.seen.tolerance, value, 0.5 * case.seen.tolerance / LOSS_SLOPE, size, why)
+    return Estimate(why, value, 0.5 * case.seen.tolerance / LOSS_SLOPE, size)
 
 
-def heating(case: Case, rule: Rule) -> Effect:
+def heating(case: Case) -> Estimate:
     """Plastic work over the hemisphere (2/3) π a³ under the contact; a warning above 300 K. Softening is left out."""
     hot = 300.0  # K: by Johnson & Cook's (ΔT/1500 K)^1.03 of 4340 steel, it takes a fifth of the strength
     steel_heat = 3.6e6  # of steel per volume, J/(m³ K): 460 J/(kg K) at 7850 kg/m³
     if case.seen.fraction <= YIELDS:
-        return rule.absent("nothing yields")
+        return Estimate("nothing yields", applies=False)
     radius = own_radius(case.problem, case.seen.force, case.seen.indentation)
     value = case.seen.fraction * case.seen.energy / (2.0 / 3.0 * math.pi * radius**3)
     rise = value / steel_heat
     why = f"the plastic work would heat steel under the contact by {rise:.2g} K"
     if rise > hot:
-        return rule.failing(f"{why}: the strength falls, and some metals melt", value, hot * steel_heat)
-    return rule.unjudged(f"{why}; how much this softens the material is unknown", value)
+        return Estimate(f"{why}: the strength falls, and some metals melt", value, hot * steel_heat, fails=True)
+    return Estimate(f"{why}; how much this softens the material is unknown", value)
 
 
-def fracture(case: Case, rule: Rule) -> Effect:
+def fracture(case: Case) -> Estimate:
     """Crushing, or a cone crack at the edge of the contact.
 
         F = (3 π²/4 ψ) K_Ic² R/E       fracture_toughness: least force of a ring crack, K² = F² ψ/(π² a³), with the
@@ -132,14 +133,13 @@ def fracture(case: Case, rule: Rule) -> Effect:
         given = {"impactor": scene.impactor.material, "target": scene.target.material}
         unknown = [f"{part}.material" for part, m in given.items() if m is None or m.initial_strength is None]
         if unknown:
-            return rule.unjudged(f"missing: {_BRITTLE} of " + " and ".join(unknown))
-        return rule.absent(f"no body is brittle: none has a {_BRITTLE}")
+            return Estimate(f"missing: {_BRITTLE} of " + " and ".join(unknown))
+        return Estimate(f"no body is brittle: none has a {_BRITTLE}", applies=False)
     radius = own_radius(case.problem, case.seen.force, case.seen.indentation)
     indicator, value, why, then = max((_failing(body, case, radius) for body in brittle), key=lambda found: found[1])
-    rule = rule._replace(indicator=indicator)
     if value <= 1.0:
-        return rule.sized(case.seen.tolerance, value, 1.0, 0.0, why)
-    return rule.failing(f"{why}: {then}", value, 1.0)
+        return Estimate(why, value, 1.0, 0.0, indicator=indicator)
+    return Estimate(f"{why}: {then}", value, 1.0, fails=True, indicator=indicator)
 
 
 def _failing(body: Material, case: Case, radius: float) -> tuple[str, float, str, str]:

@@ -9,11 +9,11 @@ from typing import NamedTuple
 import numpy as np
 
 from film_model.base.units import format_si
-from film_model.effects.case import Case, Rule
-from film_model.effects.effect import FREE, SIMULATED, Effect
+from film_model.effects.case import Case
 from film_model.scene import Scene
 from film_model.scene.friction_table import FrictionTable
 from film_model.scene.rolling import sliding_before, stiffness_ratio, tangential_mobility
+from film_model.targets import Estimate
 
 LARGEST = 1.0
 """Coefficient of friction up to which the rebound is bounded; the least is 0."""
@@ -82,7 +82,7 @@ def expected(scene: Scene, restitution: float) -> str | None:
     return f"the contact {how}: impact number {number:.3g}, limits 1 and {last:.3g}"
 
 
-def obliqueness(case: Case, rule: Rule) -> Effect:
+def obliqueness(case: Case) -> Estimate:
     """An impact at an angle or with spin: simulated with friction in [contact], otherwise its normal component.
 
     Without friction the change is the range of the ball's tangential velocity for friction coefficients from 0 to 1,
@@ -91,32 +91,32 @@ def obliqueness(case: Case, rule: Rule) -> Effect:
     """
     # how it slides is not said under damping, which lets more friction through
     scene, damps = case.scene, case.problem.damps and case.scene.contact.friction is not None
-    return oblique(scene, rule, None if damps else case.seen.restitution, case.seen.tolerance)
+    return oblique(scene, None if damps else case.seen.restitution)
 
 
-def oblique(scene: Scene, rule: Rule, restitution: float | None, tolerance: float) -> Effect:
+def oblique(scene: Scene, restitution: float | None) -> Estimate:
     """The same, also for an impact whose restitution is unknown."""
     angle, friction = scene.impactor.angle or 0.0, scene.contact.friction
     if angle == 0.0 and not scene.impactor.spin and not getattr(scene.target, "spin", None):
-        return rule.absent("the impact is along the normal, without spin")
+        return Estimate("the impact is along the normal, without spin", applies=False)
     if friction is not None:
         why = f"the tangential motion and the spin are simulated with a friction coefficient of {friction:g}"
         sliding = None if restitution is None else expected(scene, restitution)
         why += f"; {sliding}" if sliding else ""
         if scene.target.kind not in ("half-space", "body"):
             why += f"; the {scene.target.kind} is immovable along its surface"
-        return rule.failing(why, math.degrees(angle), 0.0)._replace(state=SIMULATED, cost=FREE)
+        return Estimate(why, math.degrees(angle), 0.0, simulated=True)
     normal = format_si(scene.impactor.speed, "velocity")
     why = f"only the normal component, {normal}, is simulated: give friction in [contact]"
     if restitution is None:
-        return rule.failing(why, math.degrees(angle), 0.0)
+        return Estimate(why, math.degrees(angle), 0.0, fails=True)
     found = unknown(scene, restitution)
     kinds = {"velocity": found.speed, "angle": found.angle, "angular_frequency": found.spin}
     speed, turn, spun = (_range(ends, kind) for kind, ends in kinds.items())
     why += (
         f"; with coefficients from 0 to {LARGEST:g} the ball leaves with {speed} at {turn} to the normal, spin {spun}"
     )
-    return rule.sized(tolerance, math.degrees(angle), 0.0, found.change, why)
+    return Estimate(why, math.degrees(angle), 0.0, found.change)
 
 
 def _range(ends: tuple[float, float], kind: str) -> str:

@@ -19,12 +19,14 @@ from film_model.base.errors import SimulationError
 from film_model.base.materials import named
 from film_model.base.rate_law import RateHardening
 from film_model.base.units import format_si
-from film_model.effects.case import ABSENT, Rule, deforms
-from film_model.effects.effect import FREE, NOT_MODELLED, NOT_NEEDED, SIMULATED, SWITCHED_OFF, Effect
+from film_model.effects.case import deforms
+from film_model.effects.effect import ABSENT, FREE, NOT_MODELLED, NOT_NEEDED, SIMULATED, SWITCHED_OFF, Effect
+from film_model.effects.judged import Rule, effect_of
 from film_model.effects.trial import change
 from film_model.laws import LAWS, AbstractLaw
 from film_model.problem.model_intervals import STIFFEST_POLYMER
 from film_model.problem.problem import Problem
+from film_model.targets import Estimate
 
 TYPICAL, LEAST, MOST = 0.014, 0.006, 0.06
 """C of 4340 steel, near the median of the metals of Johnson & Cook 1983, and the least and the largest of them."""
@@ -125,15 +127,16 @@ def applied(static: Problem) -> Problem | None:
 
 def describe(static: Problem, used: Problem | None, yields: bool) -> Effect:
     """The effect on one impact. used: what is simulated in place of `static`. yields: whether its law may yield."""
-    scene = static.scene
+    scene, missing = static.scene, ""
     if scene.yield_strength is None or scene.effective_modulus is None:
-        return RULE.unjudged("missing: a yield strength")
-    if not static.approach > 0.0:
-        return RULE.unjudged("the impactor has no velocity")
-    if not static.trial.ends:
-        return RULE.unjudged("contact did not end")
-    if not yields or not deforms(static):
-        return RULE.absent("nothing yields")
+        missing = "missing: a yield strength"
+    elif not static.approach > 0.0:
+        missing = "the impactor has no velocity"
+    elif not static.trial.ends:
+        missing = "contact did not end"
+    if missing or not yields or not deforms(static):
+        found = Estimate(missing) if missing else Estimate("nothing yields", applies=False)
+        return effect_of(RULE, found, scene.effect_tolerance)
     if scene.rate_hardening is None:
         return _without_coefficient(static)
     own = static.impacts.law.strength is not None
@@ -141,7 +144,8 @@ def describe(static: Problem, used: Problem | None, yields: bool) -> Effect:
     hard = used or hardened(slow)
     size = math.nan if hard is None else change(hard, slow)
     if hard is None or math.isnan(size):
-        return RULE.unjudged("the impact with the higher yield strength cannot be marched", strain_rate(slow))
+        missing = "the impact with the higher yield strength cannot be marched"
+        return effect_of(RULE, Estimate(missing, strain_rate(slow)), scene.effect_tolerance)
     rate = strain_rate(hard)
     raised = scene.rate_hardening.factor(rate) - 1.0
     why = (
@@ -170,12 +174,15 @@ def _without_coefficient(static: Problem) -> Effect:
     rate, soft = strain_rate(static), static.scene.first_to_yield
     size, opened = _open(static)
     if soft is None or rate < rate_sensitive or named(soft.name) != soft:
-        missing = "missing: strain_rate_coefficient or rate_multiplier of the material that yields"
-        return RULE.unjudged(missing + opened, rate)._replace(change=size)
-    if size is not None and size * MOST / TYPICAL <= static.scene.effect_tolerance:
-        return RULE.absent("too little yields")._replace(change=size)
-    why = f"at {rate:.3g} 1/s {soft.name} is stronger than in slow loading, and the catalogue has no coefficient for it"
-    return RULE.failing(why + opened, rate, rate_sensitive)._replace(change=size)
+        why = "missing: strain_rate_coefficient or rate_multiplier of the material that yields"
+        found = Estimate(why + opened, rate)
+    elif size is not None and size * MOST / TYPICAL <= static.scene.effect_tolerance:
+        found = Estimate("too little yields", applies=False)
+    else:
+        why = f"at {rate:.3g} 1/s {soft.name} is stronger than in slow loading"
+        why += f", and the catalogue has no coefficient for it{opened}"
+        found = Estimate(why, rate, rate_sensitive, fails=True)
+    return effect_of(RULE, found, static.scene.effect_tolerance)._replace(change=size)
 
 
 def _open(static: Problem) -> tuple[float | None, str]:

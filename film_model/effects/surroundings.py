@@ -7,12 +7,12 @@ from typing import Any, NamedTuple
 
 from film_model.base.arrays import greater, lesser, logarithm, ratio
 from film_model.base.units import format_si
-from film_model.effects.case import Case, Rule
-from film_model.effects.effect import Effect
+from film_model.effects.case import Case
 from film_model.scene import STANDARD_GRAVITY
+from film_model.targets import Estimate
 
 
-def air_drag(case: Case, rule: Rule) -> Effect:
+def air_drag(case: Case) -> Estimate:
     """Drag of the air on a ball that falls from drop_height.
 
         v² = v_t² (1 − exp(−2 g h/v_t²)),  v_t² = 2 m g/(ρ C_d π R²)
@@ -24,7 +24,7 @@ def air_drag(case: Case, rule: Rule) -> Effect:
     """
     ball, height = case.scene.impactor, case.scene.impactor.drop_height
     if height is None:
-        return rule.absent("the velocity at the impact is given")
+        return Estimate("the velocity at the impact is given", applies=False)
     final = terminal_velocity(case.scene.mass, ball.radius)
     value = 2.0 * STANDARD_GRAVITY * height / final**2
     slowed = math.sqrt(-math.expm1(-value) / value)
@@ -32,7 +32,7 @@ def air_drag(case: Case, rule: Rule) -> Effect:
     reached, given = (format_si(speed, "velocity", 2) for speed in (slowed * ball.path_speed, ball.path_speed))
     if reached != given:
         why += f", and from this height reaches {reached}, not {given}: give the velocity"
-    return rule.sized(case.seen.tolerance, value, None, 1.0 - slowed**2, why)
+    return Estimate(why, value, None, 1.0 - slowed**2)
 
 
 def terminal_velocity(mass: float, radius: float) -> float:
@@ -70,7 +70,7 @@ def squeezed(
     return Film(stokes, gap, lesser(ways / stokes, 1.0))
 
 
-def squeeze_film(case: Case, rule: Rule) -> Effect:
+def squeeze_film(case: Case) -> Estimate:
     """The fluid that the ball squeezes out of the contact and draws in again.
 
         e (1 − (1 + 1/e) ln(R/h)/St),  St = m V/(6 π μ R²)      restitution by lubrication between the gaps R and h
@@ -83,9 +83,9 @@ def squeeze_film(case: Case, rule: Rule) -> Effect:
     scene = case.scene
     viscosity, height, modulus = scene.contact.fluid_viscosity, scene.contact.roughness, scene.effective_modulus
     if viscosity is None:
-        return rule.unjudged("missing: contact.fluid_viscosity")
+        return Estimate("missing: contact.fluid_viscosity")
     if modulus is None and not height:
-        return rule.unjudged("missing: contact.roughness, or an effective modulus")
+        return Estimate("missing: contact.roughness, or an effective modulus")
     stokes, gap, share = squeezed(
         scene.effective_mass,
         scene.effective_radius,
@@ -101,10 +101,10 @@ def squeeze_film(case: Case, rule: Rule) -> Effect:
     if stokes <= 10.0:
         why += "; no ball has been seen to rebound in a liquid below a Stokes number of about 10"
     threshold = stokes * share / case.seen.tolerance if share < 1.0 else None
-    return rule.sized(case.seen.tolerance, stokes, threshold, share, why, below=True)
+    return Estimate(why, stokes, threshold, share, below=True)
 
 
-def roughness(case: Case, rule: Rule) -> Effect:
+def roughness(case: Case) -> Estimate:
     """Asperities soften a contact whose indentation is not large compared with their height.
 
     The change of the indentation is α = σ R/a² = σ/δ (Greenwood & Tripp 1967), σ the `roughness` in [contact], rms
@@ -114,10 +114,10 @@ def roughness(case: Case, rule: Rule) -> Effect:
     """
     height = case.scene.contact.roughness
     if height is None:
-        return rule.unjudged("missing: contact.roughness")
+        return Estimate("missing: contact.roughness")
     value, depth = height / case.seen.indentation, format_si(case.seen.indentation, "length", 3)
     why = "the surfaces are given as smooth"
     if height > 0.0:  # Greenwood, Johnson & Matsubara 1984, Wear 100:47
         why = f"the indentation of {depth} is {1.0 / value:.3g} times the height of the roughness; "
         why += "up to α = 0.05 Hertz's pressure is right to 7 %"
-    return rule.sized(case.seen.tolerance, value, case.seen.tolerance, value, why)
+    return Estimate(why, value, case.seen.tolerance, value)

@@ -16,12 +16,13 @@ from typing import Any
 
 from film_model.base.arrays import any_of
 from film_model.base.errors import SimulationError
-from film_model.effects.case import ABSENT, Rule
-from film_model.effects.effect import NOT_MODELLED, NOT_NEEDED, SIMULATED, SWITCHED_OFF, Effect
+from film_model.effects.effect import ABSENT, NOT_MODELLED, NOT_NEEDED, SIMULATED, SWITCHED_OFF, Effect
+from film_model.effects.judged import Rule, effect_of
 from film_model.effects.trial import beyond, change
 from film_model.problem.law_of_scene import ELASTIC
 from film_model.problem.problem import Problem
 from film_model.problem.relaxation import Relaxation, relaxation_of
+from film_model.targets import Estimate
 
 COST = "10 to 20 times the time"
 """Against the same impact on lines; measured by `benchmarks/effects.py`."""
@@ -62,11 +63,12 @@ def describe(problem: Problem) -> Effect:
     """The effect on one impact. problem: what is simulated."""
     scene, relaxation = problem.scene, relaxation_of(problem.scene)
     if relaxation is None:
-        return RULE.absent("no material has a prony series")
+        return effect_of(RULE, Estimate("no material has a prony series", applies=False), scene.effect_tolerance)
     elastic = replace(problem, relaxation=None)
     why = hindered(elastic)
     if scene.effective_modulus is None or not problem.approach > 0.0:
-        return RULE.unjudged("the impactor has no velocity" if not problem.approach > 0.0 else "missing: moduli")
+        missing = "the impactor has no velocity" if not problem.approach > 0.0 else "missing: moduli"
+        return effect_of(RULE, Estimate(missing), scene.effect_tolerance)
     tried = problem.again(law=ELASTIC, impedance=math.inf, load=0.0, compliance=0.0) if why else elastic
     value, size = _indicator(tried, relaxation), change(replace(tried, relaxation=relaxation), tried)
     known = None if math.isnan(size) else min(size, 1.0)

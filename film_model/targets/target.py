@@ -86,7 +86,8 @@ class Estimate(NamedTuple):
     reason: a sentence. value: of the indicator. threshold: value of the indicator from which the effect matters.
     change: relative change of the summary if the effect is neglected; None if unknown. applies: False if the target has
     no such effect. fails: the model is not valid, and the change is unknown. indicator: replaces the rule's own.
-    remedy: what a simulation of the effect would need.
+    remedy: what a simulation of the effect would need. below: it matters below the threshold, not beyond. simulated: it
+    is in the simulation.
     """
 
     reason: str
@@ -97,6 +98,8 @@ class Estimate(NamedTuple):
     fails: bool = False
     indicator: str | None = None
     remedy: str | None = None
+    below: bool = False
+    simulated: bool = False
 
 
 def no_effect(reason: str) -> Estimate:

@@ -17,7 +17,7 @@ from film_model.effects.large_slope import COMPUTED
 from film_model.effects.trial import change
 from film_model.laws.tsuji import Tsuji
 from film_model.laws.yielding import yield_point, yield_velocity
-from film_model.problem.law_of_scene import ELASTIC, YIELDING, can_yield, reaches_yield, yielding_entries
+from film_model.problem.law_of_scene import ELASTIC, YIELDING, yielding_entries
 from film_model.problem.problem import Problem
 from film_model.problem.relaxation import relaxation_of
 from film_model.problem.summary import differences
@@ -83,7 +83,7 @@ def served(scene: Scene, kind: Kind = "impact") -> Scene:
         if scene.contact.law == "auto":
             scene = scene.replace({"contact.law": ELASTIC})
     if scene.contact.law == "auto":
-        law, known = choose(scene).problem.law, reaches_yield(scene) is not None and can_yield(scene)
+        law, known = choose(scene).problem.law, scene.reaches_yield is not None and scene.can_yield
         if isinstance(law, Tsuji):
             scene = scene.replace({"contact.law": law.name, "contact.restitution": law.restitution})
         elif effects.plasticity is not False and known:
@@ -131,7 +131,7 @@ def validity_of(scene: Scene) -> Validity:
         # a² = R δ; of others (a/R)²/10 is the tolerance
         most = COMPUTED**2 if law.steep else 10.0 * scene.effect_tolerance
         narrow = most * scene.effective_radius
-    if getattr(type(law), "family", "") in ("elastic", "damped") and reaches_yield(scene) is not None:
+    if getattr(type(law), "family", "") in ("elastic", "damped") and scene.reaches_yield is not None:
         assert scene.effective_modulus is not None and scene.yield_strength is not None
         elastic = yield_point(scene.effective_modulus, scene.effective_radius, scene.yield_strength)[0]
     ranges, also = _ranges(scene)

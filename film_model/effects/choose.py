@@ -32,7 +32,6 @@ from film_model.effects.edge_effects import edged, support_of
 from film_model.effects.effect import COMPUTED, FREE, NOT_MODELLED, NOT_NEEDED, Effect
 from film_model.effects.judged import judge
 from film_model.effects.law_range import law_warnings
-from film_model.effects.plausibility import remarks
 from film_model.effects.target_motion import Support
 from film_model.problem.law_of_scene import ELASTIC, STEEP, SceneLaw, laws_of
 from film_model.problem.problem import Impacts, Problem
@@ -149,7 +148,7 @@ class Choice:
         """Warnings of the law, about unlikely numbers, and about effects that matter but are not simulated."""
         said = (effect.warning for effect in self._neglected if effect.state == NOT_MODELLED)
         law = (*self.problem.law.remarks(), *self.problem.curve.warnings, *law_warnings(self.problem))
-        law = (*law, *wave_losses.remarks(self.problem), *remarks(self.scene))
+        law = (*law, *wave_losses.remarks(self.problem), *self.scene.remarks)
         return (*law, *(warning for warning in said if warning is not None))
 
 

@@ -13,12 +13,11 @@ no law is valid. Law elastoplastic has Hertz's elastic stage: where yield begins
 from __future__ import annotations
 
 import math
-from typing import Any, cast
+from typing import Any
 
 from film_model.base.arrays import any_of
 from film_model.effects.case import Case
 from film_model.effects.effect import FREE, NOT_MODELLED, SIMULATED, Effect, off_state
-from film_model.laws.hertz import hertz_stiffness
 from film_model.laws.large_slope import BALL
 from film_model.problem.law_of_scene import STEEP, YIELDING
 from film_model.problem.problem import Problem
@@ -51,7 +50,7 @@ def change_of(scene: Scene, load: Any) -> Any:
     indentation is the sum of those by the energy alone and by the load [N] alone. None if it is unknown."""
     if scene.slope_coefficient is None:
         return None
-    stiffness = hertz_stiffness(cast("float", scene.effective_modulus), scene.effective_radius)
+    stiffness = scene.hertz_stiffness
     deepest = (2.5 * scene.kinetic_energy / stiffness) ** 0.4 + (2.5 * load / stiffness) ** (2.0 / 3.0)
     return _change(scene.slope_coefficient, deepest / scene.effective_radius)
 
@@ -79,7 +78,7 @@ def judge(case: Case) -> Estimate:
     if seen.indentation > DEEPEST * radius:
         why = f"the indentation is {seen.indentation / radius:.3g} times the radius: no contact law is valid so deep"
         return Estimate(why, seen.contact_radius / radius, math.sqrt(DEEPEST), fails=True)
-    hertz = (seen.force / hertz_stiffness(modulus, radius)) ** (2.0 / 3.0)  # elastic part of the indentation
+    hertz = (seen.force / scene.hertz_stiffness) ** (2.0 / 3.0)  # elastic part of the indentation
     size = _change(BALL if coefficient is None else coefficient, hertz / radius) * hertz / seen.indentation
     value = seen.contact_radius / radius
     threshold = seen.tolerance * value / size if size > 0.0 else None

@@ -20,7 +20,7 @@ from film_model.effects.effect import (
 from film_model.effects.trial import change, matters
 from film_model.laws.law import AbstractLaw, Stage
 from film_model.laws.yielding import LEAST_YIELD_STRAIN, MOST_YIELD_STRAIN, YIELD_PRESSURE_RATIO, yield_velocity
-from film_model.problem.law_of_scene import ASSUMED_POISSONS_RATIO, ELASTIC, YIELDING, can_yield, reaches_yield
+from film_model.problem.law_of_scene import ASSUMED_POISSONS_RATIO, ELASTIC, YIELDING
 from film_model.problem.model_intervals import STIFFEST_POLYMER
 from film_model.problem.problem import Problem
 from film_model.scene.noses import elastic_radius
@@ -77,8 +77,8 @@ def elastic(problem: Problem) -> Problem:
 def left_out(problem: Problem) -> Any:
     """Change of the summary of many impacts whose law does not yield because the scene says so; 0 for the others."""
     scene, impacts = problem.scene, problem.impacts
-    fixed, yields = scene.contact.law != "auto" or scene.effects.plasticity is False, reaches_yield(impacts.scene)
-    if not fixed or yields is None or not any_of(yields & can_yield(impacts.scene)) or not problem.curve.reversible:
+    fixed, yields = scene.contact.law != "auto" or scene.effects.plasticity is False, impacts.scene.reaches_yield
+    if not fixed or yields is None or not any_of(yields & impacts.scene.can_yield) or not problem.curve.reversible:
         return impacts.column(0.0)
     return either(yields, change(problem.again(law=YIELDING), problem), 0.0)
 
@@ -91,11 +91,11 @@ def describe(problem: Problem, kept: bool, damps: bool = False) -> tuple[Effect,
     if not problem.scene.is_round:
         last = _fully_plastic(problem, False, None)
         return _of_pressure(problem), last._replace(reason="the law does not yield")
-    scene, law, yields = problem.scene, problem.law, reaches_yield(problem.scene)
+    scene, law, yields = problem.scene, problem.law, problem.scene.reaches_yield
     wanted, tolerance, auto = scene.effects.plasticity, scene.effect_tolerance, scene.contact.law == "auto"
     modulus, strength, yielding = scene.effective_modulus, problem.impacts.yield_strength, not problem.curve.reversible
     size, ratio, limit, cost = 0.0 if yields is False else None, None, 0.0, FREE
-    able = can_yield(scene)
+    able = scene.can_yield
     if modulus is not None and able and (yields or (yielding and yields is not False)):
         plastic = problem if yielding else problem.again(law=YIELDING)
         without = elastic(problem) if yielding else problem

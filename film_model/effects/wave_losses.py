@@ -18,15 +18,11 @@ from film_model.base.arrays import any_of, column, either, greater, lesser
 from film_model.base.errors import SimulationError
 from film_model.effects.effect import DAMPED, NOT_MODELLED, NOT_NEEDED, SIMULATED, Effect, agreeing, off_state, percent
 from film_model.effects.trial import change, matters
-from film_model.laws.hertz import hertz_stiffness
 from film_model.problem.model_intervals import yield_velocities
 from film_model.problem.problem import Impacts, Problem
 from film_model.problem.summary import radiated
 from film_model.scene import Scene
 from film_model.targets.waves import HERTZ_SQUARE
-
-HERTZ_TIME = 2.9432751843
-"""Contact time times approach velocity over largest indentation, of an elastic impact: 2 √π Γ(7/5)/Γ(9/10)."""
 
 MOST_WEIGHT = 0.1
 """Weight over the largest elastic force, beyond which the impact lasts longer than its velocity says."""
@@ -37,22 +33,12 @@ def impedance_of(scene: Scene, yielding: bool) -> Any:
     impact, or of a scene with arrays. yielding: the law yields."""
     if scene.effective_modulus is None or scene.nose is not None:
         return math.inf
-    impedance = scene.target.radiation_impedance(elastic_impact(scene)[0])
+    impedance = scene.target.radiation_impedance(scene.elastic_impact[0])
     ratio = yield_velocities(scene) if yielding else None
     if ratio is not None:
         # Z rises beyond this ratio of approach to yield velocity
         impedance = impedance * greater(ratio / 100.0, 1.0) ** 0.07
     return either(scene.approach_velocity > 0.0, impedance, math.inf)
-
-
-def elastic_impact(scene: Scene) -> tuple[Any, Any]:
-    """Contact time 2.943 (5 m/(4 K))^{2/5} V^{-1/5} [s] and largest force K (5 m V²/(4 K))^{3/5} [N] of the elastic
-    impact; nan if the effective modulus is unknown."""
-    modulus = math.nan if scene.effective_modulus is None else scene.effective_modulus
-    stiffness = hertz_stiffness(modulus, scene.effective_radius)
-    softness = 1.25 * scene.effective_mass / stiffness
-    duration = HERTZ_TIME * softness**0.4 * greater(scene.approach_velocity, 1e-300) ** -0.2
-    return duration, stiffness * (2.5 * scene.kinetic_energy / stiffness) ** 0.6
 
 
 def felt(impacts: Impacts) -> Any:
@@ -93,7 +79,7 @@ def radiating(problem: Problem) -> tuple[Problem, Any]:
     if made is None:
         return problem, False
     scene = problem.impacts.scene
-    duration, force = elastic_impact(scene)
+    duration, force = scene.elastic_impact
     most = HERTZ_SQUARE * force**2.0 * duration / (made.impedance * scene.kinetic_energy)
     # an impact that yields radiates less than the elastic one, and no other value changes as much
     doubtful = either(pressed(problem), False, most > 0.9 * problem.scene.effect_tolerance)
@@ -118,7 +104,7 @@ def pressed(problem: Problem) -> Any:
 
 def heaviest(scene: Scene) -> Any:
     """Weight from which they do, N."""
-    return MOST_WEIGHT * elastic_impact(scene)[1]
+    return MOST_WEIGHT * scene.elastic_impact[1]
 
 
 def remarks(problem: Problem) -> tuple[str, ...]:

@@ -30,6 +30,7 @@ from film_model.explorer.inputs import PLATE
 from film_model.explorer.trace import Recording
 from film_model.laws.damping import loss_restitution
 from film_model.laws.example_ball import example_ball
+from film_model.laws.hertz import hertz_stiffness
 from film_model.laws.law import AbstractLaw, Stage, law_fields
 from film_model.laws.yielding import yield_velocity
 from film_model.oblique import springs
@@ -38,7 +39,7 @@ from film_model.problem.brittle import factors, failure
 from film_model.problem.curve import Curve
 from film_model.problem.families import EDGES, varying
 from film_model.problem.fit import functions_of
-from film_model.problem.law_of_scene import SceneLaw, can_yield, reaches_yield
+from film_model.problem.law_of_scene import SceneLaw
 from film_model.problem.model_intervals import family_number, yield_velocities
 from film_model.problem.numbers import Numbers, zener
 from film_model.problem.problem import Impacts, Problem, Trial
@@ -126,9 +127,9 @@ def numbers_function(template: Scene, paths: Sequence[str]) -> str:
     outputs: dict[str, Any] = {**numbers._asdict(), "weight": numbers.weight}
     outputs |= {"impactor_mass": scene.mass, "target_mass": scene.target.own_mass, "speed": scene.impactor.speed}
     outputs |= {entry: getattr(scene, entry) for entry in FROM_SCENE}
-    outputs["able"] = can_yield(scene)
-    outputs["yields"] = reaches_yield(replace_effects(scene, Effects()))
-    outputs["yields_light"] = reaches_yield(replace_effects(scene, Effects(gravity=False)))
+    outputs["able"] = scene.can_yield
+    outputs["yields"] = replace_effects(scene, Effects()).reaches_yield
+    outputs["yields_light"] = replace_effects(scene, Effects(gravity=False)).reaches_yield
     outputs["loss_restitution"] = 1.0 if scene.loss_factor is None else loss_restitution(scene.loss_factor)
     outputs["waves"], outputs["waves_yielding"] = (wave_losses.impedance_of(scene, yields) for yields in (False, True))
     outputs |= {"zener": zener(scene, numbers.impedance), "heaviest": wave_losses.heaviest(scene)}
@@ -265,6 +266,7 @@ def problem_in(
     numbers = recording.symbols("n", FROM_SCENE)
     varied: Any = SimpleNamespace(**numbers)
     varied.nose = varied.oval = None
+    varied.hertz_stiffness = hertz_stiffness(varied.effective_modulus, varied.effective_radius)
     varied.rate_hardening = RateHardening(
         **{name.removeprefix("rate_"): n for name, n in recording.symbols("n", RATE_LAW).items()}
     )

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 from film_model.base.errors import SimulationError
 from film_model.laws import LAWS, AbstractLaw
 from film_model.problem.curve import Curve, curve_of
-from film_model.problem.law_of_scene import ELASTIC, YIELDING, SceneLaw, can_yield
+from film_model.problem.law_of_scene import ELASTIC, YIELDING, SceneLaw
 from film_model.scene import STANDARD_GRAVITY, Scene
 from film_model.scene.chain import Chain, Link
 
@@ -60,7 +60,7 @@ def _law_in(scene: Scene, speed: float) -> tuple[AbstractLaw, Curve, float, floa
     """Law, curve, δ_s, F_s, depth and damping of a contact."""
     given: Any = scene.contact.law
     if given == "auto":
-        given = YIELDING if scene.yield_strength is not None and can_yield(scene) else ELASTIC
+        given = YIELDING if scene.yield_strength is not None and scene.can_yield else ELASTIC
     for part in (scene.impactor, scene.target):
         if part.material is not None and part.material.prony is not None:
             raise SimulationError("the relaxation of a viscoelastic material is not simulated in a chain")

@@ -14,8 +14,7 @@ from film_model.base.errors import Mistake, SceneError
 from film_model.laws import LAWS, AbstractLaw, BrakeUnloading, Retrace
 from film_model.laws.damping import loss_restitution
 from film_model.laws.law import law_fields
-from film_model.laws.yielding import LEAST_YIELD_STRAIN, MOST_YIELD_STRAIN, yield_point
-from film_model.scene import STANDARD_GRAVITY, Scene
+from film_model.scene import Scene
 
 ELASTIC, YIELDING, DAMPED = "hertz", "elastoplastic", "tsuji"
 """What law "auto" means below and above yield, and where the losses of the materials matter more than yield;
@@ -194,29 +193,6 @@ def law_named(scene: Scene, name: str) -> SceneLaw:
     return law if scene.contact.law in ("auto", name) else SceneLaw(law.law, law.values, None, {})
 
 
-def reaches_yield(scene: Scene) -> Any:
-    """Whether the impact reaches the yield point, for each impact of a scene with arrays; None if unknown, or not of a
-    ball.
-
-    It does if the impact energy and the work of the weight exceed the elastic work up to that point, 0.4 F_y δ_y.
-    """
-    strength, modulus = scene.yield_strength, scene.effective_modulus
-    if strength is None or modulus is None or not scene.is_round:
-        return None
-    indentation, force = yield_point(modulus, scene.effective_radius, strength)
-    heavy = scene.effects.gravity is not False and not scene.target.free
-    weight = scene.effective_mass * STANDARD_GRAVITY if heavy else 0.0
-    return scene.kinetic_energy + weight * indentation > 0.4 * force * indentation
-
-
-def can_yield(scene: Scene) -> Any:
-    """Whether S_y/E is in the range of the law that yields, for each impact of a scene with arrays."""
-    strength, modulus = scene.yield_strength, scene.effective_modulus
-    if strength is None or modulus is None:
-        return True
-    return (strength >= LEAST_YIELD_STRAIN * modulus) & (strength < MOST_YIELD_STRAIN * modulus)
-
-
 def yielding_entries(scene: Scene) -> dict[str, Any]:
     """Entries with which a scene of law "auto" names the law that yields."""
     known = scene.poissons_ratio is not None
@@ -238,8 +214,7 @@ def laws_of(scene: Scene) -> Iterator[tuple[AbstractLaw | type[AbstractLaw], Any
         yield LAWS[STEEP[DAMPED] if scene.effects.small_slope is True else DAMPED], True
         return
     if plastic == "auto":
-        yields = reaches_yield(scene)
-        plastic = False if yields is None else yields & can_yield(scene)
+        plastic = False if scene.reaches_yield is None else scene.reaches_yield & scene.can_yield
     if not all_of(plastic):
         fixed = scene.effects.small_slope is True and damps is False and plastic is False
         yield LAWS[STEEP[ELASTIC] if fixed else ELASTIC], np.logical_not(plastic)

@@ -15,7 +15,6 @@ from typing import Any, NamedTuple, TypeAlias
 
 from film_model.base.arrays import either, root
 from film_model.base.units import format_si
-from film_model.laws.yielding import yield_point
 from film_model.problem.brittle import fails
 from film_model.problem.law_of_scene import ELASTIC, STEEP
 from film_model.problem.law_of_scene import YIELDING as YIELDS
@@ -111,10 +110,9 @@ class ModelInterval(NamedTuple):
 
 def yield_velocities(scene: Scene) -> Any:
     """Approach velocity over the yield velocity of slow loading, by energy; None without a strength or a modulus."""
-    strength, modulus = scene.yield_strength, scene.effective_modulus
-    if strength is None or modulus is None:
+    if scene.yield_point is None:
         return None
-    indentation, force = yield_point(modulus, scene.effective_radius, strength)
+    indentation, force = scene.yield_point
     return root(scene.kinetic_energy / (0.4 * force * indentation))
 
 

@@ -6,7 +6,6 @@ import math
 from typing import NamedTuple
 
 from film_model.base.arrays import Number, column
-from film_model.laws.hertz import hertz_stiffness
 from film_model.scene import STANDARD_GRAVITY, Scene
 
 
@@ -49,6 +48,5 @@ def zener(scene: Scene, impedance: Number) -> Number:
 
     impedance: Z, N s/m; a number, or an array if the scene has arrays.
     """
-    modulus = math.nan if scene.effective_modulus is None or scene.nose is not None else scene.effective_modulus
-    stiffness = hertz_stiffness(modulus, scene.effective_radius)
+    stiffness = scene.hertz_stiffness if scene.nose is None else math.nan
     return stiffness**0.4 * scene.effective_mass**0.6 * scene.approach_velocity**0.2 / impedance

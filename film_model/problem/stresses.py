@@ -13,7 +13,6 @@ import numpy as np
 
 from film_model.base.arrays import Number, all_of, either, greater, lesser, ratio, root
 from film_model.laws.elastoplastic import Plastic, scaled_strain
-from film_model.laws.hertz import hertz_stiffness
 from film_model.problem.problem import Impacts, Problem
 from film_model.scene.noses import elastic_radius
 
@@ -61,7 +60,7 @@ def is_hertzian(impacts: Impacts, force: Number, indentation: Number) -> Any:
     scene = impacts.scene
     if scene.effective_modulus is None or scene.nose is not None:
         return force != force
-    hertz = hertz_stiffness(scene.effective_modulus, scene.effective_radius) * indentation * root(indentation)
+    hertz = scene.hertz_stiffness * indentation * root(indentation)
     return ratio(abs(force - hertz), hertz) <= hertzian(impacts.law.value("widening"))
 
 

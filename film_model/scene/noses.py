@@ -9,8 +9,6 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from film_model.base.arrays import Number, either, endless, greater, lesser, ratio, root, tangent
-from film_model.base.units import format_si
-from film_model.laws import LAWS
 
 Volume = Callable[[Any], Number]
 
@@ -108,7 +106,9 @@ def oval_of(body: Any, target: Any) -> Oval | None:
     """The contact of an impactor and a target of which one has a second radius of curvature; None if none has."""
     if body.second_radius is None and getattr(target, "second_radius", None) is None:
         return None
-    return oval(relative_radius(body.radius, target.radius), relative_radius(_second(body), _second(target)))
+    return oval(
+        relative_radius(body.radius, target.radius), relative_radius(second_radius(body), second_radius(target))
+    )
 
 
 def elastic_radius(scene: Any, indentation: Number) -> Number:
@@ -120,32 +120,7 @@ def elastic_radius(scene: Any, indentation: Number) -> Number:
     return root(square if scene.oval is None else scene.oval.spread * square)
 
 
-def mistakes_of_shape(scene: Any) -> dict[str, str]:
-    """What the surfaces of a scene, or a contact that is not round, cannot have, by path."""
-    body, target, contact, found = scene.impactor, scene.target, scene.contact, dict[str, str]()
-    seconds = _second(body), getattr(target, "second_radius", None)
-    for entry, own, other in (("radius", body.radius, target.radius), ("second_radius", *seconds)):
-        if other is not None and -own <= other < 0.0:
-            radii = [format_si(value, "length") for value in (other, -own)]
-            found[f"target.{entry}"] = f"{radii[0]} is a hollow: it must be < {radii[1]}, the ball's"
-    if scene.is_round:
-        return found
-    what = f'shape "{body.shape}"' if scene.nose is not None else "a second radius of curvature"
-    if scene.nose is not None and (not endless(target.radius) or seconds[1] is not None):
-        found["target.radius"] = f"{what} needs a flat target: leave out its radii"
-    law = LAWS[contact.law] if isinstance(contact.law, str) and contact.law != "auto" else None
-    yields = law is not None and law.family in ("yields", "adhesive")
-    if law is not None and (yields if scene.nose is None else contact.needs("radius")):
-        found["contact.law"] = f'law "{law.name}" is of balls: leave it out with {what}'
-    if contact.unloading_name == "brake":
-        found["contact.unloading"] = f'Brake\'s rule is of balls: give unloading = "retrace" with {what}'
-    if scene.effects.plasticity is True:
-        found["effects.plasticity"] = f"true, but laws that yield are of balls, not of {what}"
-    if contact.friction is not None:
-        found["contact.friction"] = f"friction is simulated of balls, not with {what}"
-    return found
-
-
-def _second(body: Any) -> Number:
+def second_radius(body: Any) -> Number:
+    """The radius in the other principal plane, m."""
     own = getattr(body, "second_radius", None)
     return body.radius if own is None else own

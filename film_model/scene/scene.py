@@ -22,9 +22,12 @@ from film_model.base.text import Text
 from film_model.base.units import format_si
 from film_model.laws import AbstractLaw
 from film_model.laws.elastoplastic import COMPARED_STRAIN, FITTED
+from film_model.laws.hertz import hertz_stiffness
+from film_model.laws.yielding import LEAST_YIELD_STRAIN, MOST_YIELD_STRAIN, yield_point
 from film_model.scene.contact import Contact
-from film_model.scene.impactor import Sphere
-from film_model.scene.noses import Nose, Oval, mistakes_of_shape, nose_of, oval_of, relative_radius
+from film_model.scene.impactor import STANDARD_GRAVITY, Sphere
+from film_model.scene.mistakes import mistakes_of, remarks_about
+from film_model.scene.noses import Nose, Oval, nose_of, oval_of, relative_radius
 from film_model.scene.options import DEFAULT_TOLERANCE, Effects, Solver
 from film_model.scene.sections import SECTIONS, parts_of, section_of
 from film_model.scene.slope import slope_coefficient
@@ -64,7 +67,7 @@ class Scene:
         _repr_html_ = Late("film_model.methods:scene_as_html")
 
     def __post_init__(self) -> None:
-        raise_all(self._wrong_types() or self._mistakes())
+        raise_all(self._wrong_types() or mistakes_of(self))
 
     def __repr__(self) -> str:
         radius, mass = format_si(self.impactor.radius, "length"), format_si(self.mass, "mass")
@@ -167,7 +170,7 @@ class Scene:
         """The elastic contact of a cone or a flat end; None of a ball or an ellipsoid."""
         return nose_of(self.impactor)
 
-    @property
+    @cached_property
     def is_round(self) -> bool:
         """Whether contact is that of a ball, as of all laws but those of a power and of a table."""
         return self.oval is None and self.nose is None
@@ -293,7 +296,7 @@ class Scene:
             return self.contact.poissons_ratio
         return either(known[0] <= known[-1], known[0], known[-1])
 
-    @property
+    @cached_property
     def work_of_adhesion(self) -> float | None:
         """The value in [contact], or 2 √(γ₁ γ₂) from the materials' surface energies, J/m²; None if unknown."""
         if self.contact.work_of_adhesion is not None:
@@ -324,6 +327,53 @@ class Scene:
         return 0.5 * self.effective_mass * self.approach_velocity**2
 
     @cached_property
+    def hertz_stiffness(self) -> float:
+        """K of F = K δ^{3/2}, the elastic contact of a ball, N/m^1.5; nan without the effective modulus."""
+        modulus = self.effective_modulus
+        return hertz_stiffness(math.nan if modulus is None else modulus, self.effective_radius)
+
+    @cached_property
+    def elastic_impact(self) -> tuple[float, float]:
+        """Contact time 2.943 (5 m/(4 K))^{2/5} V^{-1/5} [s] and largest force K (5 m V²/(4 K))^{3/5} [N] of the elastic
+        impact of a ball; nan without the effective modulus."""
+        stiffness, shape = self.hertz_stiffness, 2.9432751843  # 2 √π Γ(7/5)/Γ(9/10): contact time × velocity/depth
+        duration = (
+            shape * (1.25 * self.effective_mass / stiffness) ** 0.4 * greater(self.approach_velocity, 1e-300) ** -0.2
+        )
+        return duration, stiffness * (2.5 * self.kinetic_energy / stiffness) ** 0.6
+
+    @cached_property
+    def yield_point(self) -> tuple[float, float] | None:
+        """Indentation [m] and force [N] at first yield in slow loading; None without a strength or a modulus."""
+        strength, modulus = self.yield_strength, self.effective_modulus
+        unknown = strength is None or modulus is None
+        return None if unknown else yield_point(modulus, self.effective_radius, strength)
+
+    @cached_property
+    def reaches_yield(self) -> bool | None:
+        """Whether the impact energy and the work of the weight exceed the elastic work up to the yield point,
+        0.4 F_y δ_y; None if unknown, or not of a ball."""
+        if self.yield_point is None or not self.is_round:
+            return None
+        indentation, force = self.yield_point
+        heavy = self.effects.gravity is not False and not self.target.free
+        weight = self.effective_mass * STANDARD_GRAVITY if heavy else 0.0
+        return self.kinetic_energy + weight * indentation > 0.4 * force * indentation
+
+    @cached_property
+    def can_yield(self) -> bool:
+        """Whether S_y/E is in the range of the law that yields."""
+        strength, modulus = self.yield_strength, self.effective_modulus
+        if strength is None or modulus is None:
+            return True
+        return (strength >= LEAST_YIELD_STRAIN * modulus) & (strength < MOST_YIELD_STRAIN * modulus)
+
+    @cached_property
+    def remarks(self) -> tuple[str, ...]:
+        """Sentences about numbers that are possible, but more often a mistake of units."""
+        return remarks_about(self)
+
+    @cached_property
     def effect_tolerance(self) -> float:
         """Largest relative change of the summary by a neglected effect; see :class:`Effects`."""
         if self.effects.tolerance is not None:
@@ -331,62 +381,14 @@ class Scene:
         return max(DEFAULT_TOLERANCE, self.solver.accuracy or 0.0)
 
     def _wrong_types(self) -> list[Mistake]:
-        kinds: dict[str, type] = {
-            "impactor": Sphere,
-            "target": AbstractTarget,
-            "contact": Contact,
-            "effects": Effects,
-            "solver": Solver,
-            "title": str,
-        }
+        own = Sphere, AbstractTarget, Contact, Effects, Solver, str
+        kinds: dict[str, type] = dict(zip(self.__dataclass_fields__, own, strict=True))
         wrong = {name: kind for name, kind in kinds.items() if not isinstance(getattr(self, name), kind)}
         return [
             mistake(self, name, f"{shown(getattr(self, name))} is not allowed: {' or '.join(names)} is needed")
             for name, kind in wrong.items()
             for names in ([one.__name__ for one in (TARGETS.values() if name == "target" else [kind])],)
         ]
-
-    def _mistakes(self) -> list[Mistake]:
-        """Mistakes that concern several parts of the scene."""
-        found = mistakes_of_shape(self)
-        contact, target, name = self.contact, self.target, self.contact.law_name
-        if self.impactor.own_mass is None:
-            found["impactor.mass"] = f"missing: {self.impactor.mass_needed}"
-        if target.own_mass is None:
-            found["target.mass"] = "missing: give mass, or a material (the mass is then density × sphere volume)"
-        if target.free and self.approach_velocity <= 0:
-            found["target.velocity"] = f"{target.velocity:g} m/s must be < the impactor's {self.impactor.speed:g} m/s"
-        if contact.needs("effective_modulus") and self.effective_modulus is None:
-            both = (("impactor", self.impactor), ("target", target))
-            missing = " and ".join(f"{part}.material" for part, body in both if body.material is None)
-            rule = ', or unloading = "retrace"' if contact.unloading_name == "brake" else ""
-            found["contact.effective_modulus"] = f"missing: give {missing}, or effective_modulus{rule}"
-        if contact.needs("poissons_ratio") and self.poissons_ratio is None:
-            found["contact.poissons_ratio"] = f'missing: law "{name}" needs it: give a material, or poissons_ratio'
-        steep = self.effects.small_slope is True if name == "auto" else contact.needs("slope_coefficient")
-        if steep and self.slope_coefficient is None:
-            found["contact.law"] = "steep surfaces are those of balls, and need the material of a body"
-        if contact.needs("work_of_adhesion") and not self.work_of_adhesion:
-            found["contact.work_of_adhesion"] = (
-                f'law "{name}" needs a value > 0: give it, or materials with surface_energy'
-            )
-        if self.yield_strength is None:
-            where = "give hardness or yield_strength of a material, or yield_strength in [contact]"
-            if contact.needs("yield_strength"):
-                found["contact.law"] = f'law "{name}" needs a yield strength: {where}'
-            elif self.effects.plasticity is True and name == "auto":
-                found["effects.plasticity"] = f"plasticity needs a yield strength: {where}"
-            for parameter in contact.from_strength:
-                found[f"contact.{parameter}"] = f'missing: law "{name}" needs it, or a yield strength: {where}'
-        if self.effects.rate_hardening is True:
-            if name != "auto" and not contact.has("yield_strength"):
-                found["effects.rate_hardening"] = f'law "{name}" has no yield_strength that could rise'
-            elif self.rate_hardening is None:
-                found["effects.rate_hardening"] = (
-                    "missing: the material that yields needs a yield strength, and strain_rate_coefficient "
-                    "or rate_multiplier"
-                )
-        return [Mistake(None, None, f"Scene.{key}", message) for key, message in found.items()]
 
 
 def scene_of(table: dict[str, Any], text: str, name: str, folder: str | None) -> Scene:

@@ -12,7 +12,6 @@ from film_model.base.errors import SimulationError
 from film_model.effects.choose import choose
 from film_model.effects.effect import NOT_MODELLED, percent
 from film_model.effects.many import law_warnings_of_each
-from film_model.effects.plausibility import remarks
 from film_model.scene import SLOWEST
 
 MOST_CHECKED = 8
@@ -37,7 +36,7 @@ def effect_warnings(sweep: Sweep) -> list[str]:
         except (SimulationError, ValueError):
             continue  # no problem can be made of the scene: its status gives the reason
         checked += 1
-        unlikely.update((remark.partition(":")[0], remark) for remark in remarks(scene))
+        unlikely.update((remark.partition(":")[0], remark) for remark in scene.remarks)
         for effect in effects:
             if effect.state == NOT_MODELLED:
                 changes.setdefault(effect.name, []).append(effect.change)

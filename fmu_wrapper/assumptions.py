@@ -102,7 +102,7 @@ def served(scene: Scene, kind: Kind = "impact") -> Scene:
 
 def _radiates(scene: Scene) -> bool:
     """Whether waves in a half-space are simulated."""
-    return not scene.target.gives_way and choose(scene).problem.impedance < math.inf
+    return not scene.target.gives_way and choose(scene).problem.given.impedance < math.inf
 
 
 def segments_for_speeds(scene: Scene, problem: Problem, counts: tuple[int, int]) -> tuple[int, int]:
@@ -236,7 +236,7 @@ def _other_waves(problem: Problem, own: Problem) -> frozenset[str]:
 
 def _other_support(problem: Problem, own: Problem) -> frozenset[str]:
     """What an FMU on an infinite plate, or on a static stiffness, leaves out where the target moves otherwise."""
-    if own.vibrates or (problem.vibrates, problem.compliance > 0.0) == (False, own.compliance > 0.0):
+    if own.vibrates or (problem.vibrates, problem.given.compliance > 0.0) == (False, own.compliance > 0.0):
         return frozenset()
     return frozenset({"vibrations of the target" if own.compliance > 0.0 else "boundary reflections"})
 

@@ -219,7 +219,7 @@ def _compared_motion(
 ) -> list[Finding]:
     """Findings from values of the FMU (`theirs`) and of the library (`motion`) at times from the start of the run."""
     findings: list[Finding] = []
-    roots = component.modes > 0 or component.problem.compliance > 0.0
+    roots = component.modes > 0 or component.problem.given.compliance > 0.0
     jumping = ("stage_changes",) if any(jumps(component.problem.curve.stages)) else ()
     jumping += ("contact_begins", "contact_ends") if component.problem.curve.pulls or component.modes > 0 else ()
     for name, ours in motion.items():

@@ -163,7 +163,7 @@ def _missing(problem: Problem, vibration: Vibration | None) -> tuple[str, ...]:
         return (*unknown, *OF_HALF_SPACES)
     if problem.relaxation is not None:
         return (*unknown, *OF_LINES)
-    return (*unknown, "target_impedance" if problem.compliance > 0.0 else "target_stiffness")
+    return (*unknown, "target_impedance" if problem.given.compliance > 0.0 else "target_stiffness")
 
 
 def _of_scene(problem: Problem) -> dict[str, float]:
@@ -176,8 +176,8 @@ def _of_scene(problem: Problem) -> dict[str, float]:
         "initial_spin": scene.impactor.spin or 0.0,
         "mass": problem.mass,
         "initial_velocity": scene.approach_velocity,
-        "target_impedance": min(problem.impedance, RIGID),
-        "target_stiffness": 1.0 / problem.compliance if problem.compliance > 0.0 else math.inf,
+        "target_impedance": min(problem.given.impedance, RIGID),
+        "target_stiffness": 1.0 / problem.given.compliance if problem.given.compliance > 0.0 else math.inf,
         "gravity": STANDARD_GRAVITY if problem.load > 0.0 else 0.0,
         "input_extrapolation": 1.5,  # right in a master that steps all FMUs side by side, then exchanges outputs
     }

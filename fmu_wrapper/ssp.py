@@ -64,7 +64,7 @@ def export_ssp(
     check_replaceable(target, overwrite)
     choice = choose(served(scene) if not scene.target.free else served(scene, "contact"))
     with tempfile.TemporaryDirectory() as folder:
-        if choice.problem.vibrates or choice.problem.compliance > 0.0:
+        if choice.problem.vibrates or choice.problem.given.compliance > 0.0:
             elements, connections, sets, left_out = _whole(scene, Path(folder), platform)
         else:
             elements, connections, sets, left_out = _parted(scene, choice, Path(folder), platform)
@@ -154,7 +154,7 @@ def _connections(scene: Scene, choice: Choice) -> list[Connection]:
         connections.append(Connection("contact", "contact_force", "target", "external_force"))
         connections.append(Connection("target", "impactor_velocity", "impactor", "support_velocity"))
     elif choice.problem.gamma > 0.0:
-        yields = 1.0 / choice.problem.impedance
+        yields = 1.0 / choice.problem.given.impedance
         connections.append(Connection("contact", "contact_force", "impactor", "support_velocity", yields))
     return connections
 

@@ -376,7 +376,7 @@ def test_a_creeping_contact_meets_the_requested_accuracy(velocity, accuracy):
     force = lambda d: stiffness * max(d, 0.0) ** 1.5  # noqa: E731
 
     def rates(_, y):
-        return [y[1] - force(y[0]) / problem.impedance, 9.80665 - force(y[0]) / problem.mass]
+        return [y[1] - force(y[0]) / problem.given.impedance, 9.80665 - force(y[0]) / problem.mass]
 
     times = np.geomspace(1e-7, 1e-2, 40)
     tight = {"method": "Radau", "rtol": 1e-11, "atol": [1e-22, 1e-16]}

@@ -169,7 +169,7 @@ def test_random_scenes_equal_python(shown, everything, seed):
             unreached = history.accuracy.modes and history.accuracy.estimated > history.accuracy.requested
             here = "on this page" in found["reason"] or "is available here" in found["reason"]
             assert here or unreached, (fragment, found)  # rounding may decide where contacts are too many
-        elif not (warned and (history.accuracy.modes or history.problem.compliance)):
+        elif not (warned and (history.accuracy.modes or history.problem.given.compliance)):
             compared[found["law"]] += 1
             if check(history, factor, found, fragment, rough):
                 unsure.append(fragment)
@@ -200,7 +200,7 @@ def check(history, factor, found, fragment, rough=None):
     else:
         same = found["segments"] == history.accuracy.lines and history.outcome is fm.Outcome.SEPARATED
         allowed = SAME + 4.0 * history.problem.curve.fit_error  # the page fits a law with a shape itself: two fits
-        if history.problem.compliance and getattr(history.scene.target, "edges", None) != "simply supported":
+        if history.problem.given.compliance and getattr(history.scene.target, "edges", None) != "simply supported":
             allowed += ON_RITZ
         if worst > allowed:
             allowed = amplified(history) if same else found["error"] + history.accuracy.estimated

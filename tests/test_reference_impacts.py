@@ -69,7 +69,7 @@ def test_every_second_computation_is_within_the_bound(group):
 def test_the_second_computation_is_that_of_extended_precision(name):
     history = simulate_quietly(scene_of(cases()[name]))
     problem = history.problem
-    exact = high_precision.impact(problem.law, problem.mass, history.scene.approach_velocity, problem.impedance)
+    exact = high_precision.impact(problem.law, problem.mass, history.scene.approach_velocity, problem.given.impedance)
     for key, value in second(history).values.items():
         assert value == pytest.approx(exact[key], rel=ERRORS["stages"]), key
 

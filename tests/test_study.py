@@ -90,7 +90,7 @@ def exact(on):
     """INTEGRATED_VALUES of a scene from extended precision, which takes seconds, in SI, under the scene's own load."""
     problem = problem_of(on)
     return high_precision.impact(
-        problem.law, problem.mass, on.approach_velocity, problem.impedance, problem.load * problem.scales.force
+        problem.law, problem.mass, on.approach_velocity, problem.given.impedance, problem.load * problem.scales.force
     )
 
 

@@ -15,6 +15,9 @@ class Columns:
     def __init__(self, table: Any) -> None:
         self.table = table
 
+    def __array__(self, dtype: Any = None, copy: bool | None = None) -> Any:
+        return self.table
+
     if TYPE_CHECKING:
 
         def __getattr__(self, name: str) -> Any: ...

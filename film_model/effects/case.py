@@ -79,7 +79,7 @@ def case_of(problem: Problem, vibrates: bool) -> Case:
         back=pulse.back * s.time,
         motion=pulse.motion,
         by_impedance=problem.gamma != 0.0,
-        by_compliance=problem.compliance > 0.0,
+        by_compliance=problem.given.compliance > 0.0,
         vibrates=vibrates,
         tolerance=scene.effect_tolerance,
         held=(still.contact_duration * units.time, softness),

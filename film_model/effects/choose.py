@@ -207,9 +207,9 @@ def _held(moved: Problem, moves: Any) -> list[Problem]:
     """Impacts with a fixed target where its motion does not matter."""
     if moved.own.spring is not None or not moved.impacts.many:
         return _divided(moved, moves, target_motion.held)
-    if all_of(moves) or not any_of(np.isfinite(moved.impedance)):
+    if all_of(moves) or not any_of(np.isfinite(moved.given.impedance)):
         return [moved]
-    return [moved.again(impedance=either(moves, moved.impedance, math.inf))]
+    return [moved.again(impedance=either(moves, moved.given.impedance, math.inf))]
 
 
 def _divided(problem: Problem, stays: Any, changed: Callable[[Problem], Problem]) -> list[Problem]:
@@ -233,5 +233,5 @@ def _vibrating(problem: Problem) -> Problem:
             f"law {problem.law.name}: laws that pull are not supported on targets that vibrate; "
             "target_motion = false in [effects] fixes the target"
         )
-    vibrating = problem.impacts.problem(math.inf, problem.given[1], vibrates=True)
+    vibrating = problem.impacts.problem(math.inf, problem.given.load, vibrates=True)
     return replace(vibrating, stretches=stretching.needed(problem))

@@ -53,7 +53,7 @@ def decisions_of(problem: Problem) -> dict[Decision, Mask]:
     static = problem.curve.native.compliance > 0.0
     damps, steep = problem.law.damped and problem.scene.contact.law == "auto", problem.law.steep
     shape = np.shape(problem.approach) or (1,)
-    moves = np.isfinite(problem.impedance) | static | problem.vibrates
+    moves = np.isfinite(problem.given.impedance) | static | problem.vibrates
     gravity, motion, harder = (np.broadcast_to(column, shape) for column in (problem.load > 0.0, moves, hard))
     found: dict[Decision, Mask] = {}
     for each in product((False, True), repeat=3):

@@ -254,7 +254,7 @@ class _Edges:
         support = Support(math.inf, compliance, vibrates=True, slow=slow)
         trusted = infinite is not None and infinite.trial.ends
         if infinite and trusted and (self.no_static or not _force(infinite) < _force(self.on_static)):
-            support = Support(infinite.impedance, vibrates=True)
+            support = Support(infinite.given.impedance, vibrates=True)
         reason = f"the {self.scene.target.kind} moves by its natural vibrations"
         kept = self.reflections._replace(state=SIMULATED, cost=ON_MODES)
         return support, (kept, self._inertia(SIMULATED, reason, ON_MODES))
@@ -297,7 +297,7 @@ def vibration(static: Problem, part: Any) -> Any:
     """
     depth = static.trial.summary.maximum_indentation * static.scales.length
     known = static.trial.ends & (depth > 0.0)
-    contact, support = 1.5 * _force(static) / either(known, depth, 1.0), 1 / static.compliance
+    contact, support = 1.5 * _force(static) / either(known, depth, 1.0), 1 / static.given.compliance
     found = contact**1.5 * root(part / static.impacts.numbers.mass / support) / (support + contact)
     return either(known, found, math.nan)
 

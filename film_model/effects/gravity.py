@@ -73,7 +73,7 @@ def _estimate_for(light: Problem, ends: Any) -> Any:
         return impacts.column(math.inf)
     with unwarned(usable):
         force = core.maximum_force * light.scales.force
-        depth = core.maximum_indentation * light.scales.length + light.compliance * force
+        depth = core.maximum_indentation * light.scales.length + light.given.compliance * force
         return either(usable, estimate(impacts.numbers.weight, force, depth, impacts.numbers.energy), math.inf)
 
 

@@ -39,7 +39,7 @@ def steep(problem: Problem) -> tuple[Problem, Any]:
     off = wanted is False or base.contact.law != "auto" or problem.law.name not in STEEP
     if off or coefficient is None or problem.relaxation is not None:
         return problem, False
-    matters = True if wanted is True else change_of(scene, problem.given[1]) > base.effect_tolerance
+    matters = True if wanted is True else change_of(scene, problem.given.load) > base.effect_tolerance
     if not any_of(matters):
         return problem, False
     return problem.under(STEEP[problem.law.name]), problem.impacts.column(matters)

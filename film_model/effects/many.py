@@ -25,7 +25,7 @@ from film_model.laws import AbstractLaw
 from film_model.laws.unloading import BrakeUnloading
 from film_model.problem.families import LAST_PAGE, page_number
 from film_model.problem.law_of_scene import SceneLaw, laws_of
-from film_model.problem.problem import Impacts, Problem
+from film_model.problem.problem import Given, Impacts, Problem
 from film_model.problem.varied import fitted_by
 from film_model.scene import Scene
 from film_model.scene.columns import scene_of_columns, scene_of_row
@@ -171,13 +171,13 @@ def _gathered(members: list[tuple[int, Problem]], scene: Scene, columns: Mapping
     def column(name: str) -> Any:
         return np.array([getattr(problem, name) for problem in problems])
 
-    given = tuple(np.array(values) for values in zip(*(problem.given for problem in problems), strict=True))
     names = ("gamma", "load", "damping", "approach", "drift", "share", "mass")
     return replace(
         first,
         impacts=Impacts.several(scene, _law_of_all(problems), index, _picked(columns, index)),
         scales=type(first.scales)(*map(np.array, zip(*(problem.scales for problem in problems), strict=True))),
-        given=given,
+        given=Given(*map(np.array, zip(*(problem.given for problem in problems), strict=True))),
+        loaded=any(problem.loaded for problem in problems),
         **{name: column(name) for name in names},
     )
 

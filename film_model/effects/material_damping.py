@@ -13,7 +13,6 @@ from typing import Any
 from film_model.base.arrays import all_of, any_of, either, greater
 from film_model.effects.effect import FREE, NOT_MODELLED, SIMULATED, Effect, off_state
 from film_model.effects.trial import matters
-from film_model.laws.damping import loss_restitution
 from film_model.problem.law_of_scene import DAMPED, ELASTIC, STEEP, YIELDING
 from film_model.problem.problem import Problem
 from film_model.scene import Scene
@@ -27,7 +26,7 @@ MOST_GAMMA = 2.0
 
 def hindered(problem: Problem) -> str:
     """Why the damping of a problem under law "auto" cannot be simulated; empty if it can."""
-    if any_of(problem.compliance > 0.0):
+    if any_of(problem.given.compliance > 0.0):
         return "the target follows the force by its static stiffness"
     return "a material relaxes" if _relaxes(problem.scene) else ""
 
@@ -45,9 +44,9 @@ def damped(problem: Problem) -> tuple[Problem, Any]:
     off = wanted is False or scene.contact.law != "auto" or law not in (ELASTIC, YIELDING)
     if off or known is None or not any_of(known > 0.0) or hindered(problem):
         return problem, False
-    if law == YIELDING and (scene.effects.plasticity is True or _keeps_more(problem, known)):
+    if law == YIELDING and (scene.effects.plasticity is True or _keeps_more(problem)):
         return problem, False
-    sure = _surely(problem, known) if law == ELASTIC else None
+    sure = _surely(problem) if law == ELASTIC else None
     if sure is False:
         return problem, False
     made = problem.under(DAMPED)
@@ -57,18 +56,18 @@ def damped(problem: Problem) -> tuple[Problem, Any]:
     return made, known & (rebound(made) < rebound(problem))
 
 
-def change_of(loss_factor: Any) -> Any:
+def change_of(restitution: Any) -> Any:
     """The change of the summary by the damping of an elastic impact on a fixed target: by the energy lost, 1 − e², or
     by the indentation at which the force ends, over the largest."""
-    lost = 1.0 - loss_restitution(loss_factor) ** 2.0
+    lost = 1.0 - restitution**2.0
     return greater(lost, 0.4 * lost**0.8)
 
 
-def _surely(problem: Problem, loss_factor: Any) -> bool | None:
+def _surely(problem: Problem) -> bool | None:
     """Whether the losses of the materials matter in all elastic impacts, or in none; None if marches have to tell."""
     if any_of(problem.load > 0.0) or problem.vibrates or not all_of(problem.approach > 0.0):
         return None
-    size, tolerance = change_of(loss_factor), problem.scene.effect_tolerance
+    size, tolerance = change_of(problem.impacts.scene.loss_restitution), problem.scene.effect_tolerance
     if all_of(size < tolerance / MARGIN):
         return False if all_of(problem.gamma <= MOST_GAMMA) else None
     return True if _is_fixed(problem) and all_of(size > MARGIN * tolerance) else None
@@ -79,12 +78,12 @@ def _is_fixed(problem: Problem) -> bool:
     return not (any_of(problem.gamma > 0.0) or any_of(problem.load > 0.0) or problem.vibrates)
 
 
-def _keeps_more(problem: Problem, loss_factor: Any) -> bool:
+def _keeps_more(problem: Problem) -> bool:
     """Whether the losses of the materials leave more than yield does in all impacts, which a target that is fixed shows
     without a march of the damped law."""
     if not _is_fixed(problem):
         return False
-    kept = loss_restitution(loss_factor) * problem.approach * problem.scales.velocity
+    kept = problem.impacts.scene.loss_restitution * problem.approach * problem.scales.velocity
     return not any_of(kept < rebound(problem))
 
 

@@ -7,7 +7,7 @@ import math
 from film_model.base.materials import Material
 from film_model.base.units import format_si
 from film_model.effects.case import YIELDS, Case
-from film_model.laws.damping import LOSS_SLOPE, loss_restitution
+from film_model.laws.damping import LOSS_SLOPE
 from film_model.laws.hertz import hertz_stiffness
 from film_model.problem.brittle import BRITTLE, bodies, factors, failure, own_radius
 from film_model.problem.stresses import edge_tension
@@ -86,8 +86,7 @@ def material_damping(case: Case) -> Estimate:
     soft = {part: (1.0 - m.poissons_ratio**2) / m.youngs_modulus for part, m in bodies.items() if m is not None}
     total = sum(soft.values()) if len(soft) == len(bodies) or modulus is None else 1.0 / modulus
     value = scene.loss_factor or 0.0
-    own = loss_restitution(value)
-    share, left = 1.0 - own**2, case.seen.restitution * own
+    share, left = 1.0 - scene.loss_restitution**2, case.seen.restitution * scene.loss_restitution
     why = f"the materials dissipate {100 * share:.2g} % of the elastic energy"
     why += "" if case.seen.vibrates else f": restitution about {left:.2g}"
     size = share * (1.0 - case.seen.fraction)

@@ -47,7 +47,7 @@ RULE = Rule(
 
 def strain_rate(problem: Problem) -> Any:
     """0.2 (a/R)/t_m of one impact or of many, 1/s; nan where the march failed."""
-    return _rate(problem, *problem.trial)
+    return _rate(problem, *problem.trial[:2])
 
 
 def factor_at(problem: Problem, status: Any, core: Any) -> Any:

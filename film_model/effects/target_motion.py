@@ -65,7 +65,7 @@ def needed(moved: Problem, support: Support) -> Any:
     asked = effects.boundary_reflections is True or effects.target_inertia is True
     if effects.target_motion is True or asked or support.only_vibrates or not any_of(moved.approach > 0.0):
         return impacts.column(True)
-    where = np.isfinite(moved.impedance) | (moved.compliance > 0.0) if impacts.many else None
+    where = np.isfinite(moved.given.impedance) | (moved.given.compliance > 0.0) if impacts.many else None
     return matters(moved, held(moved), where=where)
 
 
@@ -102,7 +102,7 @@ def describe(problem: Problem, support: Support, moves: bool) -> Effect:
         still = problem if wanted is False else held(problem)
         found = change(moved, still)
         size = None if math.isnan(found) or support.only_vibrates else found
-        each = SPRUNG if moved.compliance > 0.0 else DAMPED
+        each = SPRUNG if moved.given.compliance > 0.0 else DAMPED
         cost = f"{moved.trial.summary.lines / max(still.trial.summary.lines, 1):.2g} × the segments, {each}"
         if support.vibrates:
             cost = ON_MODES

@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 from film_model.base.arrays import Index, Mask, ratio
 from film_model.core import solving
 from film_model.problem.problem import Problem
-from film_model.problem.summary import core_of
 
 LEVELS = ((1.1, 2.0, 2.0), (1.01, 1.2, 1.1), (1.001, 1.05, 1.01))
 """Cells of similar impacts, three sizes. Each: the ratio that a cell spans in velocity, target compliance and damping;
@@ -31,8 +30,8 @@ def change(full: Problem, without: Problem) -> Any:
     """
     p, q = full.scales, without.scales
     units = q.length / p.length, q.force / p.force, q.time / p.time, q.velocity / p.velocity
-    (status, a), (other, b) = full.trial, without.trial
-    return solving.change((status, full.start, core_of(a)), (other, without.start, core_of(b)), units)
+    tried = ((each.trial.status, each.start, each.trial.summary) for each in (full, without))
+    return solving.change(*tried, units)
 
 
 def few(problem: Problem) -> bool:

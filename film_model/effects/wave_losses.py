@@ -80,7 +80,7 @@ def radiating(problem: Problem) -> tuple[Problem, Any]:
         return problem, False
     scene = problem.impacts.scene
     duration, force = scene.elastic_impact
-    most = HERTZ_SQUARE * force**2.0 * duration / (made.impedance * scene.kinetic_energy)
+    most = HERTZ_SQUARE * force**2.0 * duration / (made.given.impedance * scene.kinetic_energy)
     # an impact that yields radiates less than the elastic one, and no other value changes as much
     doubtful = either(pressed(problem), False, most > 0.9 * problem.scene.effect_tolerance)
     if not problem.impacts.many:

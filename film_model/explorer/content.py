@@ -30,6 +30,7 @@ from film_model.oblique.result import KINDS as PHASES
 from film_model.oblique.result import OBLIQUE, OPEN, REGIMES
 from film_model.plot import strobe
 from film_model.plot.style import COLOURS
+from film_model.problem.curve import TRIAL_SEGMENTS
 from film_model.problem.families import TERMS, mean_matrix, series_matrix
 from film_model.problem.law_of_scene import DAMPED, ELASTIC, STEEP, YIELDING
 from film_model.problem.model_intervals import (
@@ -42,7 +43,6 @@ from film_model.problem.model_intervals import (
     missing,
     residuals_of,
 )
-from film_model.problem.problem import TRIAL_SEGMENTS
 from film_model.problem.summary import COMPARED, SUMMARY
 from film_model.scene import DEFAULT_ACCURACY, DEFAULT_TOLERANCE, Scene, Sphere
 from film_model.scene.friction_table import FrictionTable

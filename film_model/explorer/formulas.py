@@ -28,7 +28,6 @@ from film_model.effects.material_damping import rebound
 from film_model.effects.rate_hardening import factor_at, secant
 from film_model.explorer.inputs import PLATE
 from film_model.explorer.trace import Recording
-from film_model.laws.damping import loss_restitution
 from film_model.laws.example_ball import example_ball
 from film_model.laws.hertz import hertz_stiffness
 from film_model.laws.law import AbstractLaw, Stage, law_fields
@@ -42,7 +41,7 @@ from film_model.problem.fit import functions_of
 from film_model.problem.law_of_scene import SceneLaw
 from film_model.problem.model_intervals import family_number, yield_velocities
 from film_model.problem.numbers import Numbers, zener
-from film_model.problem.problem import Impacts, Problem, Trial
+from film_model.problem.problem import Given, Impacts, Problem, Trial
 from film_model.problem.scales import Scales, motion_of
 from film_model.problem.summary import gains_energy, gains_from_weight, radiated, summary_of
 from film_model.scene import Effects, Scene
@@ -130,7 +129,7 @@ def numbers_function(template: Scene, paths: Sequence[str]) -> str:
     outputs["able"] = scene.can_yield
     outputs["yields"] = replace_effects(scene, Effects()).reaches_yield
     outputs["yields_light"] = replace_effects(scene, Effects(gravity=False)).reaches_yield
-    outputs["loss_restitution"] = 1.0 if scene.loss_factor is None else loss_restitution(scene.loss_factor)
+    outputs["loss_restitution"] = scene.loss_restitution
     outputs["waves"], outputs["waves_yielding"] = (wave_losses.impedance_of(scene, yields) for yields in (False, True))
     outputs |= {"zener": zener(scene, numbers.impedance), "heaviest": wave_losses.heaviest(scene)}
     outputs |= {f"steep{k}": large_slope.change_of(scene, k * numbers.weight) for k in (0, 1)}
@@ -275,7 +274,12 @@ def problem_in(
     own["yield_strength"] = either(strength < math.inf, strength, math.nan)  # a missing entry is infinite in formulas
     law = SceneLaw(cast("Any", None), own, None, {})
     impacts = Impacts(template, law, Numbers(**recording.symbols("n", Numbers._fields)), varied)
-    values: dict[str, Any] = {**recording.symbols(owner, _PROBLEM), "given": (1.0, 0.0, 0.0), "damping": float(damped)}
+    values: dict[str, Any] = {
+        **recording.symbols(owner, _PROBLEM),
+        "given": Given(1.0, 0.0, 0.0),
+        "loaded": True,
+        "damping": float(damped),
+    }
     return Problem(impacts, cast("Any", None), curve, scales, **values, free=template.target.free, vibrates=vibrates)
 
 
@@ -289,7 +293,7 @@ class _Core:
 def _tried(recording: Recording, owner: str, core: str, template: Scene) -> Problem:
     """A problem with the result of its trial, which the object `core` has, with a `status`."""
     problem = problem_in(recording, owner, template)
-    problem.__dict__["trial"] = Trial(recording.symbol(f"{core}.status"), _Core(recording, core))
+    problem.__dict__["trial"] = Trial.of(recording.symbol(f"{core}.status"), _Core(recording, core))
     return problem
 
 
@@ -335,7 +339,7 @@ def hardening_functions(template: Scene) -> list[str]:
     the velocity after it."""
     r = Recording()
     tried = _tried(r, "p", "a", template)
-    factor = r.function("strengthFactor", "p, a, n", {"factor": factor_at(tried, *tried.trial)})
+    factor = r.function("strengthFactor", "p, a, n", {"factor": factor_at(tried, *tried.trial[:2])})
     after = r.function("rebound", "p, a", {"velocity": rebound(tried)})
     yields = r.function("deforms", "p, a", {"yields": deforms(tried)})
     return [factor, yields, after]

@@ -12,7 +12,6 @@ import numpy as np
 from film_model.base.arrays import ALL, Array, agree, all_of, any_of, column
 from film_model.base.errors import Mistake, SceneError
 from film_model.laws import LAWS, AbstractLaw, BrakeUnloading, Retrace
-from film_model.laws.damping import loss_restitution
 from film_model.laws.law import law_fields
 from film_model.scene import Scene
 
@@ -181,7 +180,7 @@ def law_values(scene: Scene, law: type[AbstractLaw]) -> dict[str, Any]:
     if scene.flow_strength is not None:
         filled |= law.over_strength(scene.flow_strength)
     if law.name in (DAMPED, STEEP[DAMPED]) and scene.contact.law == "auto" and scene.loss_factor is not None:
-        filled["restitution"] = loss_restitution(scene.loss_factor)
+        filled["restitution"] = scene.loss_restitution
     if law.name == POWER and scene.contact.law == "auto" and scene.nose is not None:
         filled |= {"stiffness": scene.nose.factor * scene.effective_modulus, "exponent": scene.nose.exponent}
     return filled | (dict(scene.contact.parameters) if scene.contact.law == law.name else {})

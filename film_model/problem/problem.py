@@ -24,29 +24,36 @@ from film_model.problem.curve import Curve, curve_of, curve_on
 from film_model.problem.law_of_scene import SceneLaw, law_named
 from film_model.problem.numbers import Numbers, zener
 from film_model.problem.own_curves import OwnCurves
-from film_model.problem.relaxation import Relaxation
+from film_model.problem.relaxation import Relaxation, relaxation_of
 from film_model.problem.scales import Scales, motion_of, scales_from, scales_of
 from film_model.scene import Scene
 from film_model.scene.columns import scene_of_columns
-
-TRIAL_SEGMENTS = 16
-"""Segments per stage of the trial march. Its relative errors, about 1e-5, are similar with and without an effect."""
-
 
 TRIAL_TOLERANCE = 1e-3
 """Tolerance of a step in the trial of a contact that relaxes; its relative errors are about 1e-5."""
 
 
 class Trial(NamedTuple):
-    """An impact on a coarse mesh. status: the core's, negative where it failed. summary: native.Summary or Columns."""
+    """An impact on a coarse mesh. status: the core's, negative where it failed. summary: native.Summary or Columns.
+    ends: whether contact ends, so that the trial is a complete impact."""
 
     status: Any
     summary: Any
+    ends: Any
 
-    @property
-    def ends(self) -> Any:
-        """Whether contact ends, so that the trial is a complete impact."""
-        return self.status == native.EVENT
+    @classmethod
+    def of(cls, status: Any, summary: Any) -> Trial:
+        """From what the core returns."""
+        return cls(status, summary, status == native.EVENT)
+
+
+class Given(NamedTuple):
+    """What an impact is under. impedance: of the target, N s/m; infinite if it does not move by it. load: N.
+    compliance: static, of the target, m/N; 0 if it does not follow the force statically."""
+
+    impedance: Number
+    load: Number
+    compliance: Number
 
 
 @dataclass(frozen=True)
@@ -78,7 +85,7 @@ class Impacts:
         varied = varied or scene_of_columns(scene, columns)
         return cls(scene, law, Numbers.of(varied, index.size), varied, index, columns)
 
-    @property
+    @cached_property
     def many(self) -> bool:
         """Whether these are many impacts, and the numbers arrays."""
         return self.index is not None
@@ -115,6 +122,11 @@ class Impacts:
         """That of the law, which may be higher than the scene's (rate hardening); else the scene's, Pa, or None."""
         strength = self.law.strength
         return self.scene.yield_strength if strength is None else strength
+
+    @cached_property
+    def relaxation(self) -> Relaxation | None:
+        """That of the materials, as of :func:`relaxation_of`."""
+        return relaxation_of(self.scene)
 
     @cached_property
     def one_law(self) -> AbstractLaw:
@@ -193,7 +205,8 @@ class Impacts:
             drift=numbers.drift,
             share=numbers.share,
             mass=numbers.mass,
-            given=(impedance, load, compliance),
+            given=Given(impedance, load, compliance),
+            loaded=any_of(load > 0.0),
             free=self.base.target.free,
             vibrates=vibrates,
             own=own._replace(spring=spring) if springs and self.many else own,
@@ -206,9 +219,9 @@ class Problem:
 
     gamma: F_s/(Z v_s). load: external force over F_s. damping: factor of a damped law's c over F_s/v_s. approach:
     relative velocity over v_s. drift, share: the impactor's velocity is drift + share·ν v_s, a free target's
-    drift − (1 − share)·ν v_s; drift 0 and share 1 unless the target is a free body. mass: effective, kg. given: target
-    impedance [N s/m], load [N] and compliance [m/N]. free: the target is a free body. vibrates: it moves by its modes,
-    and is integrated, not marched by the core. stretches: with membrane forces. relaxation: of the moduli, if it is
+    drift − (1 − share)·ν v_s; drift 0 and share 1 unless the target is a free body. mass: effective, kg. loaded: with a
+    load on the contact, or on any of many. free: the target is a free body. vibrates: it moves by its modes, and is
+    integrated, not marched by the core. stretches: with membrane forces. relaxation: of the moduli, if it is
     simulated. law: of many impacts, that of the first. own: in what the curves of many impacts differ; then the curve,
     too, is that of the first.
     """
@@ -224,7 +237,8 @@ class Problem:
     drift: Number
     share: Number
     mass: Number
-    given: tuple[Number, Number, Number] = field(repr=False)
+    given: Given = field(repr=False)
+    loaded: bool = field(repr=False)
     free: bool = False
     vibrates: bool = False
     stretches: bool = False
@@ -240,8 +254,7 @@ class Problem:
     def again(self, law: str | AbstractLaw | None = None, **changed: Any) -> Problem:
         """The problem with another law, or law name, impedance, load or compliance; it is the same if nothing changes.
         Of one impact these problems are kept, so that each is made and marched once."""
-        given = tuple((dict(zip(("impedance", "load", "compliance"), self.given, strict=True)) | changed).values())
-        impacts = self.impacts
+        given, impacts = self.given._replace(**changed), self.impacts
         if not (impacts.many or self.vibrates or law) and given == self.given:
             return self
         if impacts.many or isinstance(law, AbstractLaw):
@@ -266,20 +279,11 @@ class Problem:
             self,
             impacts=self.impacts.part(places),
             scales=self.scales.part(places),
-            given=cast("Any", tuple(_at(values, places) for values in self.given)),
+            given=Given(*(_at(values, places) for values in self.given)),
+            loaded=any_of(self.load[places] > 0.0),
             own=self.own.part(places),
             **{name: getattr(self, name)[places] for name in numbers},
         )
-
-    @property
-    def impedance(self) -> Number:
-        """Target impedance, N s/m; infinite if the target does not move by its impedance."""
-        return self.given[0]
-
-    @property
-    def compliance(self) -> Number:
-        """Static compliance of the target, m/N; 0 if the target does not follow the force statically."""
-        return self.given[2]
 
     @cached_property
     def start(self) -> Any:
@@ -337,9 +341,9 @@ class Problem:
     def trial(self) -> Trial:
         """The impact on a coarse mesh, used to decide effects; one by the way of a batch, so that both decide alike."""
         if self.relaxation is not None:
-            return Trial(*self.relax(TRIAL_TOLERANCE))
-        mesh = native.mesh(native.WORK_PRESERVING, *self.curve.segments(TRIAL_SEGMENTS))
-        return Trial(*(self.march(mesh) if self.impacts.many else native.impact(self.curve.native, mesh, self.start)))
+            return Trial.of(*self.relax(TRIAL_TOLERANCE))
+        curve, mesh = self.curve.native, self.curve.trial_mesh
+        return Trial.of(*(self.march(mesh) if self.impacts.many else native.impact(curve, mesh, self.start)))
 
     @property
     def stop_velocity(self) -> Any:
@@ -354,9 +358,9 @@ class Problem:
         return either((self.load > 0.0) | self.curve.pulls, contact_limit(self.approach, self.gamma), math.inf)
 
     @cached_property
-    def loaded(self) -> bool:
-        """Whether a load presses on the contact, or on any of many."""
-        return any_of(self.load > 0.0)
+    def impact_energy(self) -> Any:
+        """½ m V², J."""
+        return 0.5 * self.approach**2 * self.scales.energy
 
     @cached_property
     def damps(self) -> bool:

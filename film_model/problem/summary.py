@@ -12,7 +12,6 @@ from typing import Any
 
 from film_model.base.arrays import all_of, any_of, either, ratio, unwarned
 from film_model.core import native, solving
-from film_model.core.columns import Columns
 from film_model.problem.problem import Problem
 from film_model.problem.stresses import stresses_of
 
@@ -126,7 +125,7 @@ def radiated_energy(problem: Problem, core: Any) -> Any:
 
 def difference(problem: Problem, a: Any, b: Any) -> Any:
     """Largest relative difference of two summaries, relative to `b`: film_compare in film_solve.h."""
-    return solving.compare(problem.start, core_of(a), core_of(b), problem.vibrates)
+    return solving.compare(problem.start, a, b, problem.vibrates)
 
 
 def differences(problem: Problem, a: native.Summary, b: native.Summary) -> dict[str, float]:
@@ -143,18 +142,13 @@ def rounding(problem: Problem, summary: Any) -> Any:
     It is large where the summary is a small difference of large numbers: the velocity of a ball whose weight does more
     work than its impact, or an indentation beyond a deep clearance.
     """
-    return solving.rounding(problem.curve.native, problem.start, core_of(summary), problem.curve.clearance)
-
-
-def core_of(summary: Any) -> Any:
-    """A summary as the core takes it."""
-    return summary.table if isinstance(summary, Columns) else summary
+    return solving.rounding(problem.curve.native, problem.start, summary, problem.curve.clearance)
 
 
 def gains_energy(problem: Problem, absorbed: Any) -> Any:
     """Whether the law's unloading returns more energy than its loading stored. absorbed: energy, J."""
     # a smaller negative energy is rounding, not a law that gains energy
-    return absorbed < -1e-9 * (0.5 * problem.approach**2 * problem.scales.energy)
+    return absorbed < -1e-9 * problem.impact_energy
 
 
 def gains_from_weight(problem: Problem, summary: Mapping[str, Any]) -> Any:
@@ -162,7 +156,7 @@ def gains_from_weight(problem: Problem, summary: Mapping[str, Any]) -> Any:
     pressed = problem.load > 0.0
     if not any_of(pressed):
         return pressed
-    impact = 0.5 * problem.approach**2 * problem.scales.energy
+    impact = problem.impact_energy
     restitution, absorbed = summary["coefficient_of_restitution"], summary["energy_absorbed"]
     gain = impact * (restitution * restitution - 1.0) + either(absorbed < 0.0, absorbed, 0.0)
     return pressed & (gain > LEAST_GAIN * impact)
@@ -176,7 +170,7 @@ def energy_warning(problem: Problem, summary: dict[str, float | None]) -> list[s
     absorbed, restitution = summary["energy_absorbed"], summary["coefficient_of_restitution"]
     if absorbed is None:
         return []
-    impact, said = 0.5 * problem.approach**2 * problem.scales.energy, list[str]()
+    impact, said = problem.impact_energy, list[str]()
     if gains_energy(problem, absorbed):
         share = f" ({-100 * absorbed / impact:.3g} % of the impact energy)" if impact > 0.0 else ""
         said = [f"law {problem.law.name}: its unloading returns {-absorbed:.4g} J{share} more than its loading stored"]

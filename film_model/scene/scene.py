@@ -21,6 +21,7 @@ from film_model.base.rate_law import RateHardening, rate_constants
 from film_model.base.text import Text
 from film_model.base.units import format_si
 from film_model.laws import AbstractLaw
+from film_model.laws.damping import loss_restitution
 from film_model.laws.elastoplastic import COMPARED_STRAIN, FITTED
 from film_model.laws.hertz import hertz_stiffness
 from film_model.laws.yielding import LEAST_YIELD_STRAIN, MOST_YIELD_STRAIN, yield_point
@@ -198,6 +199,11 @@ class Scene:
         return sum(loss * part * self.effective_modulus for loss, part in zip(finite, soft, strict=True))
 
     @cached_property
+    def loss_restitution(self) -> float:
+        """The restitution that the loss factors leave; 1 without."""
+        return 1.0 if self.loss_factor is None else loss_restitution(self.loss_factor)
+
+    @cached_property
     def yield_strength(self) -> float | None:
         """Strength at first yield: the value in [contact], or the lower of the materials', Pa; None if unknown."""
         return self._lower_strength("initial_strength")
@@ -222,8 +228,8 @@ class Scene:
 
     @cached_property
     def _yielding(self) -> list[Material]:
-        materials = [m for m in (self.impactor.material, self.target.material) if m is not None]
-        return [m for m in materials if m.initial_strength is not None]
+        both = self.impactor.material, self.target.material
+        return [m for m in both if m is not None and m.initial_strength is not None]
 
     def _of_first_to_yield(self, value: Callable[[Material], Any]) -> Any:
         """A value of the material with the lowest yield strength; None if no strength is known."""
@@ -269,9 +275,7 @@ class Scene:
     def rate_hardening(self) -> RateHardening | None:
         """The rate law of the body that yields first; None if it is unknown, with nan where it is for some of many
         impacts."""
-        constants = [
-            self._of_first_to_yield(lambda material, name=name: rate_constants(material)[name]) for name in range(3)
-        ]
+        constants = [self._of_first_to_yield(lambda material, k=k: rate_constants(material)[k]) for k in range(3)]
         if constants[0] is None or np.isnan(constants[0]).all():
             return None
         return RateHardening(*constants)
@@ -302,9 +306,7 @@ class Scene:
         if self.contact.work_of_adhesion is not None:
             return self.contact.work_of_adhesion
         energies = [m and m.surface_energy for m in (self.impactor.material, self.target.material)]
-        if None in energies:
-            return None
-        return 2.0 * root(math.prod(cast("list[float]", energies)))
+        return None if None in energies else 2.0 * root(math.prod(cast("list[float]", energies)))
 
     @cached_property
     def slope_coefficient(self) -> float | None:
@@ -355,9 +357,8 @@ class Scene:
         0.4 F_y δ_y; None if unknown, or not of a ball."""
         if self.yield_point is None or not self.is_round:
             return None
-        indentation, force = self.yield_point
-        heavy = self.effects.gravity is not False and not self.target.free
-        weight = self.effective_mass * STANDARD_GRAVITY if heavy else 0.0
+        (indentation, force), light = self.yield_point, self.effects.gravity is False or self.target.free
+        weight = 0.0 if light else self.effective_mass * STANDARD_GRAVITY
         return self.kinetic_energy + weight * indentation > 0.4 * force * indentation
 
     @cached_property
@@ -376,19 +377,17 @@ class Scene:
     @cached_property
     def effect_tolerance(self) -> float:
         """Largest relative change of the summary by a neglected effect; see :class:`Effects`."""
-        if self.effects.tolerance is not None:
-            return self.effects.tolerance
-        return max(DEFAULT_TOLERANCE, self.solver.accuracy or 0.0)
+        given = self.effects.tolerance
+        return max(DEFAULT_TOLERANCE, self.solver.accuracy or 0.0) if given is None else given
 
     def _wrong_types(self) -> list[Mistake]:
         own = Sphere, AbstractTarget, Contact, Effects, Solver, str
         kinds: dict[str, type] = dict(zip(self.__dataclass_fields__, own, strict=True))
         wrong = {name: kind for name, kind in kinds.items() if not isinstance(getattr(self, name), kind)}
-        return [
-            mistake(self, name, f"{shown(getattr(self, name))} is not allowed: {' or '.join(names)} is needed")
-            for name, kind in wrong.items()
-            for names in ([one.__name__ for one in (TARGETS.values() if name == "target" else [kind])],)
-        ]
+        allowed = {name: TARGETS.values() if name == "target" else [kind] for name, kind in wrong.items()}
+        names = {name: " or ".join(one.__name__ for one in kinds) for name, kinds in allowed.items()}
+        given = {name: shown(getattr(self, name)) for name in wrong}
+        return [mistake(self, name, f"{given[name]} is not allowed: {names[name]} is needed") for name in wrong]
 
 
 def scene_of(table: dict[str, Any], text: str, name: str, folder: str | None) -> Scene:

@@ -21,7 +21,8 @@ from film_model.effects.decided import decided_impacts, decided_problem
 from film_model.effects.edge_effects import edged, infinite_unless_judged
 from film_model.effects.many import FEW, curve_keys
 from film_model.effects.rate_hardening import factor_at
-from film_model.problem.problem import TRIAL_SEGMENTS, Impacts
+from film_model.problem.curve import TRIAL_SEGMENTS
+from film_model.problem.problem import Impacts
 from film_model.scene import Solver
 from film_model.solve.accuracy import mesh_of
 from film_model.solve.core_slopes import AHEAD, COARSE, FINE, CoreSlopes, Gradient, Stencil

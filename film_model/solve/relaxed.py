@@ -79,7 +79,7 @@ def relax(problem: Problem, accuracy: float, warnings: list[str]) -> tuple[Relax
 
 def finest(problem: Problem, accuracy: float) -> tuple[float, float]:
     """The tolerance of the steps of one impact that meets the accuracy, and the error estimate."""
-    tolerance, before, (status, coarse) = TRIAL_TOLERANCE, 1.0, problem.trial
+    tolerance, before, (status, coarse, _) = TRIAL_TOLERANCE, 1.0, problem.trial
     raise_failure(status, problem)
     while True:
         tolerance *= FINER

@@ -156,7 +156,7 @@ def _record(problem: Problem, solver: Solver, counts: tuple[int, int]) -> tuple[
     state = native.initial_state(problem.curve.native, problem.start)
     room = (counts[0] + 2) * (problem.curve.native.stages + 1) + 4 * counts[1] + 64
     cut = mesh_of(solver, counts)
-    status, lines, states, summary = native.record(problem.curve.native, cut, state, problem.limit, room)
+    status, lines, states, summary = native.record(problem.curve.native, cut, state, problem.start.time_limit, room)
     raise_failure(status, problem)
     if status == native.OK and problem.approach == 0.0:
         returns = np.flatnonzero(states["event"] == native.EVENTS.index("reloading_begins"))

@@ -161,7 +161,7 @@ def study(
         raise SimulationError(f"a study is not supported for the law {problem.law.name}, which pulls")
     if problem.approach <= 0.0:
         raise SimulationError("a study needs an impact: the approach velocity is 0")
-    if problem.compliance > 0.0:
+    if problem.given.compliance > 0.0:
         raise SimulationError(f"a study is not supported for a {scene.target.kind} with a static stiffness")
     offered = dict(modal_methods.methods_for(problem, scene) if problem.vibrates else methods_for(problem, scene))
     wanted = [name for name in offered if methods is None or any(name.startswith(begin) for begin in methods)]

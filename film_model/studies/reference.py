@@ -28,7 +28,7 @@ QUADRATURE = "adaptive Gauss-Legendre quadrature"
 def reference(scene: Scene, problem: Problem) -> tuple[Array, dict[str, Any]]:
     """`INTEGRATED_VALUES` in the law's units, and a table of SI values, their error and the method."""
     law, mass, velocity = problem.law, problem.mass, scene.approach_velocity
-    impedance = problem.impedance
+    impedance = problem.given.impedance
     load = problem.load * problem.scales.force
     # first, because it fails soon for a contact that does not end; not for damped laws
     tight = None if law.damped else quadrature.integrate(law, mass, velocity, impedance, rtol=3e-14, load=load)

@@ -91,7 +91,7 @@ class Computed(NamedTuple):
             "group": self.case.group,
             "law": _law(problem.law),
             "effective_mass": problem.mass,
-            "target_impedance": None if math.isinf(problem.impedance) else problem.impedance,
+            "target_impedance": None if math.isinf(problem.given.impedance) else problem.given.impedance,
             "load": problem.load * problem.scales.force,
             "outcome": outcome,
             "how": self.how,

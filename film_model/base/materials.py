@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from functools import cache, cached_property
 from typing import Any, TypeAlias, cast
 
+from film_model.base.arrays import root
 from film_model.base.errors import Mistake, raise_all, shown
 from film_model.base.fields import Field, InUnits, build, entry, fill, measure, mistake, part, words
 from film_model.base.flow_stress import (
@@ -155,6 +156,11 @@ class Material(InUnits):
                 f"{MOST_OVER_YIELD:g} times that: correct one of them"
             )
         return [mistake(self, name, message) for name, message in found.items()]
+
+    @cached_property
+    def shear_velocity(self) -> float:
+        """c_T = √(G/ρ) of shear waves, m/s."""
+        return root(self.youngs_modulus / (2.0 * (1.0 + self.poissons_ratio)) / self.density)
 
     @cached_property
     def hardening_exponent(self) -> float:

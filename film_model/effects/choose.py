@@ -8,7 +8,7 @@ simulated are estimated by formulas (:mod:`film_model.effects.judged`).
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
@@ -159,7 +159,7 @@ def _in_order(effects: Iterable[Effect]) -> tuple[Effect, ...]:
 
 def choose(scene: Scene) -> Choice:
     """Law, target motion and load of one impact. Raises SimulationError if the scene asks for an unsupported effect."""
-    law, _ = next(laws_of(scene))
+    ((law, _), *_) = laws_of(scene)
     impacts = Impacts.one(scene, SceneLaw.of(scene, law))
     support, edges = Support(impacts.numbers.impedance), ()
     if edged(scene):
@@ -190,7 +190,7 @@ def _decided(light: Problem, support: Support) -> Iterator[tuple[Problem, Proble
     moves = target_motion.needed(moved, support)
     for yielding in _held(moved, moves):
         keeps_law = plasticity.needed(yielding)
-        parts = _divided(yielding, keeps_law, plasticity.elastic)
+        parts = [yielding] if all_of(keeps_law) else _parted(yielding, keeps_law, plasticity.elastic(yielding))
         if support.vibrates and moves:
             parts = [_vibrating(plain) for plain in parts]
         for rule in _REPLACING:
@@ -205,16 +205,13 @@ _REPLACING = viscoelasticity.relaxing, material_damping.damped, large_slope.stee
 
 def _held(moved: Problem, moves: Any) -> list[Problem]:
     """Impacts with a fixed target where its motion does not matter."""
+    if all_of(moves) or not moved.scene.target.gives_way:
+        return [moved]
     if moved.own.spring is not None or not moved.impacts.many:
-        return _divided(moved, moves, target_motion.held)
-    if all_of(moves) or not any_of(np.isfinite(moved.given.impedance)):
+        return _parted(moved, moves, target_motion.held(moved))
+    if not any_of(np.isfinite(moved.given.impedance)):
         return [moved]
     return [moved.again(impedance=either(moves, moved.given.impedance, math.inf))]
-
-
-def _divided(problem: Problem, stays: Any, changed: Callable[[Problem], Problem]) -> list[Problem]:
-    """The impacts that stay as they are, and the others changed."""
-    return [problem] if all_of(stays) else _parted(problem, stays, changed(problem))
 
 
 def _parted(one: Problem, where: Any, other: Problem) -> list[Problem]:

@@ -34,10 +34,8 @@ def estimate(weight: Any, force: Any, indentation: Any, energy: Any) -> Any:
 def needed(light: Problem) -> Any:
     """Whether an impact is simulated with its weight. light: the problem without it."""
     wanted = light.scene.effects.gravity
-    if light.free or wanted is False:
-        return light.impacts.column(False)
-    if wanted is True:
-        return light.impacts.column(True)
+    if light.free or wanted != "auto":
+        return wanted is True and not light.free
     if few(light):
         return beyond(size_of(light)[0], light.scene.effect_tolerance)
     pressed = light.again(load=light.impacts.numbers.weight)
@@ -70,7 +68,7 @@ def _estimate_for(light: Problem, ends: Any) -> Any:
     core, impacts = light.trial.summary, light.impacts
     usable = ends & (light.gamma == 0.0)
     if not any_of(usable):
-        return impacts.column(math.inf)
+        return math.inf
     with unwarned(usable):
         force = core.maximum_force * light.scales.force
         depth = core.maximum_indentation * light.scales.length + light.given.compliance * force

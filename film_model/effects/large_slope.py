@@ -42,7 +42,7 @@ def steep(problem: Problem) -> tuple[Problem, Any]:
     matters = True if wanted is True else change_of(scene, problem.given.load) > base.effect_tolerance
     if not any_of(matters):
         return problem, False
-    return problem.under(STEEP[problem.law.name]), problem.impacts.column(matters)
+    return problem.under(STEEP[problem.law.name]), matters
 
 
 def change_of(scene: Scene, load: Any) -> Any:

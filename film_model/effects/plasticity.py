@@ -65,7 +65,7 @@ def needed(problem: Problem) -> Any:
     scene = problem.scene
     chosen = scene.contact.law == "auto" and scene.effects.plasticity == "auto"
     if not (chosen and problem.law.name == YIELDING):
-        return problem.impacts.column(True)
+        return True
     return matters(problem, elastic(problem))
 
 

@@ -61,10 +61,10 @@ def needed(moved: Problem, support: Support) -> Any:
     """Whether an impact is simulated with the target's motion. moved: the problem with it."""
     effects, impacts = moved.scene.effects, moved.impacts
     if effects.target_motion is False or not moved.scene.target.gives_way:
-        return impacts.column(False)
+        return False
     asked = effects.boundary_reflections is True or effects.target_inertia is True
     if effects.target_motion is True or asked or support.only_vibrates or not any_of(moved.approach > 0.0):
-        return impacts.column(True)
+        return True
     where = np.isfinite(moved.given.impedance) | (moved.given.compliance > 0.0) if impacts.many else None
     return matters(moved, held(moved), where=where)
 

@@ -75,7 +75,7 @@ def radiating(problem: Problem) -> tuple[Problem, Any]:
             relaxes = hindered(problem) if problem.relaxation is not None else ""
             why = relaxes or "only the waves of a half-space of known material are known"
             raise SimulationError(f"effects.wave_losses is true, but {why}")
-        return made, problem.impacts.column(True)
+        return made, True
     if made is None:
         return problem, False
     scene = problem.impacts.scene

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, fields
 from functools import cached_property, lru_cache
 from typing import Any, cast
@@ -198,24 +198,21 @@ def yielding_entries(scene: Scene) -> dict[str, Any]:
     return {"contact.law": YIELDING} | ({} if known else {"contact.poissons_ratio": ASSUMED_POISSONS_RATIO})
 
 
-def laws_of(scene: Scene) -> Iterator[tuple[AbstractLaw | type[AbstractLaw], Any]]:
+def laws_of(scene: Scene) -> list[tuple[AbstractLaw | type[AbstractLaw], Any]]:
     """The laws of a scene's impacts before plasticity is tried: the one of one impact, and True; of a scene with
     arrays each, with which impacts have it, a mask, or True for all."""
     law, plastic = scene.contact.law, scene.effects.plasticity
     if law != "auto":
-        yield law if isinstance(law, AbstractLaw) else LAWS[law], True
-        return
+        return [(law if isinstance(law, AbstractLaw) else LAWS[law], True)]
     if scene.nose is not None:
-        yield LAWS[POWER], True
-        return
+        return [(LAWS[POWER], True)]
     damps = scene.effects.material_damping if scene.loss_factor is not None else False
     if damps is True and plastic is not True:
-        yield LAWS[STEEP[DAMPED] if scene.effects.small_slope is True else DAMPED], True
-        return
+        return [(LAWS[STEEP[DAMPED] if scene.effects.small_slope is True else DAMPED], True)]
     if plastic == "auto":
         plastic = False if scene.reaches_yield is None else scene.reaches_yield & scene.can_yield
-    if not all_of(plastic):
-        fixed = scene.effects.small_slope is True and damps is False and plastic is False
-        yield LAWS[STEEP[ELASTIC] if fixed else ELASTIC], np.logical_not(plastic)
-    if any_of(plastic):
-        yield LAWS[YIELDING], plastic
+    if all_of(plastic):
+        return [(LAWS[YIELDING], plastic)]
+    fixed = scene.effects.small_slope is True and damps is False and plastic is False
+    elastic = LAWS[STEEP[ELASTIC] if fixed else ELASTIC], np.logical_not(plastic)
+    return [elastic, (LAWS[YIELDING], plastic)] if any_of(plastic) else [elastic]

@@ -149,7 +149,7 @@ def _impacts(choice: Choice, pair: Pairs, path: str, value: float) -> Impacts:
     """The impact with another number, and the decisions of the impact itself."""
     number: dict[str, Any] = {path: value}
     scene = scene_of_columns(pair.scene, number)
-    impacts = Impacts.one(scene, SceneLaw.of(scene, next(laws_of(scene))[0]))
+    impacts = Impacts.one(scene, SceneLaw.of(scene, laws_of(scene)[0][0]))
     if choice.hard is None:
         return impacts
     compliance = (scene.target.compliance or 0.0) if choice.support.compliance else 0.0

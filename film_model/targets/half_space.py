@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any, ClassVar, cast
 
 from film_model.base.errors import raise_all
@@ -12,7 +13,7 @@ from film_model.base.materials import MATERIAL, Material, MaterialLike
 from film_model.base.units import Value, format_si, to_si
 from film_model.targets.plate_waves import plate_impedance, plate_stiffness
 from film_model.targets.target import RADIUS, AbstractTarget, Estimate, Impact, fill_target, missing
-from film_model.targets.waves import HERTZ_SQUARE, radiated_energy, radiation_impedance
+from film_model.targets.waves import HERTZ_PULSE, HERTZ_SQUARE, radiation
 
 
 def _read_curved(value: object) -> float:
@@ -46,8 +47,13 @@ class HalfSpace(AbstractTarget):
     ) -> None:
         raise_all(fill_target(self, locals()))
 
+    @cached_property
+    def _radiation(self) -> float | None:
+        return None if self.material is None else radiation(self.material)
+
     def radiation_impedance(self, duration: Any) -> Any:
-        return math.inf if self.material is None else radiation_impedance(self.material, duration)
+        """Z with ∫F² dt/Z = :func:`radiation` times ∫Ḟ² dt, N s/m."""
+        return math.inf if self._radiation is None else HERTZ_SQUARE / HERTZ_PULSE * duration**2.0 / self._radiation
 
     def thickness_effect(self, impact: Impact) -> Estimate:
         """Thickness at which a plate takes the tolerated fraction of the energy, ∫F² dt/Z: an upper bound."""
@@ -62,9 +68,9 @@ class HalfSpace(AbstractTarget):
 
     def wave_losses(self, impact: Impact) -> Estimate:
         """Energy of the waves over the impact energy, as V^{3/5} without weight."""
-        if self.material is None:
+        if self._radiation is None:
             return missing("target.material")
-        share = radiated_energy(self.material, impact) / impact.energy
+        share = self._radiation * HERTZ_PULSE * impact.force**2 / impact.duration / impact.energy
         why = f"waves in the half-space carry away {100 * share:.2g} % of the impact energy"
         if share >= 1.0:
             why = "the weight presses so much that waves in the half-space carry away more than the impact energy"

@@ -90,17 +90,6 @@ class Effect(NamedTuple):
         return self._asdict()
 
 
-def agreeing(value: float | None, threshold: float | None, size: float | None, tolerance: float) -> float | None:
-    """The threshold of an indicator; replaced by one that agrees with the change if it contradicts it.
-
-    Thresholds are first-order estimates. If the indicator is beyond one and the change below the tolerance, or the
-    reverse, the change is taken as proportional to the indicator instead.
-    """
-    if value is None or threshold is None or size is None or (value > threshold) == (size > tolerance):
-        return threshold
-    return value * tolerance / size if size > 0.0 else None
-
-
 def off_state(size: float | None, tolerance: float) -> str:
     """The state of an effect that the scene switches off: needed if it is larger than the tolerance, or unknown."""
     return NOT_MODELLED if size is None or size > tolerance else SWITCHED_OFF

@@ -13,10 +13,10 @@ from film_model.effects.effect import (
     PUSHED,
     SIMULATED,
     Effect,
-    agreeing,
     off_state,
     percent,
 )
+from film_model.effects.judged import agreeing
 from film_model.effects.trial import beyond, change, few, matters
 from film_model.problem.problem import Problem
 

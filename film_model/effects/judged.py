@@ -20,7 +20,6 @@ from film_model.effects.effect import (
     NOT_NEEDED,
     SIMULATED,
     Effect,
-    agreeing,
 )
 from film_model.effects.surroundings import air_drag, roughness, squeeze_film
 from film_model.problem.problem import Problem
@@ -91,6 +90,17 @@ def effect_of(rule: Rule, found: Estimate, tolerance: float) -> Effect:
         cost, reason = f"{ABSENT}: {found.remedy}", reason + (f": {found.remedy}" if size > tolerance else "")
     limit = limit if found.below else agreeing(value, limit, size, tolerance)
     return Effect(name, indicator, value, limit, size, state, reason, source, cost)
+
+
+def agreeing(value: float | None, threshold: float | None, size: float | None, tolerance: float) -> float | None:
+    """The threshold of an indicator; replaced by one that agrees with the change if it contradicts it.
+
+    Thresholds are first-order estimates. If the indicator is beyond one and the change below the tolerance, or the
+    reverse, the change is taken as proportional to the indicator instead.
+    """
+    if value is None or threshold is None or size is None or (value > threshold) == (size > tolerance):
+        return threshold
+    return value * tolerance / size if size > 0.0 else None
 
 
 _TABLE: dict[str, tuple[str, str, str | Callable[[Case], Estimate]]] = {

@@ -65,7 +65,7 @@ def change_of(restitution: Any) -> Any:
 
 def _surely(problem: Problem) -> bool | None:
     """Whether the losses of the materials matter in all elastic impacts, or in none; None if marches have to tell."""
-    if any_of(problem.load > 0.0) or problem.vibrates or not all_of(problem.approach > 0.0):
+    if problem.loaded or problem.vibrates or not all_of(problem.approach > 0.0):
         return None
     size, tolerance = change_of(problem.impacts.scene.loss_restitution), problem.scene.effect_tolerance
     if all_of(size < tolerance / MARGIN):
@@ -75,7 +75,7 @@ def _surely(problem: Problem) -> bool | None:
 
 def _is_fixed(problem: Problem) -> bool:
     """Whether no target moves, and no weight presses."""
-    return not (any_of(problem.gamma > 0.0) or any_of(problem.load > 0.0) or problem.vibrates)
+    return not (any_of(problem.gamma > 0.0) or problem.loaded or problem.vibrates)
 
 
 def _keeps_more(problem: Problem) -> bool:

@@ -16,9 +16,9 @@ from film_model.effects.effect import (
     SIMULATED,
     SPRUNG,
     Effect,
-    agreeing,
     off_state,
 )
+from film_model.effects.judged import agreeing
 from film_model.effects.trial import change, matters
 from film_model.problem.curve import can_be_in_series
 from film_model.problem.numbers import zener

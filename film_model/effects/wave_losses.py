@@ -16,7 +16,8 @@ from typing import Any
 
 from film_model.base.arrays import any_of, column, either, greater, lesser
 from film_model.base.errors import SimulationError
-from film_model.effects.effect import DAMPED, NOT_MODELLED, NOT_NEEDED, SIMULATED, Effect, agreeing, off_state, percent
+from film_model.effects.effect import DAMPED, NOT_MODELLED, NOT_NEEDED, SIMULATED, Effect, off_state, percent
+from film_model.effects.judged import agreeing
 from film_model.effects.trial import change, matters
 from film_model.problem.model_intervals import yield_velocities
 from film_model.problem.problem import Impacts, Problem

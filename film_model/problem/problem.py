@@ -180,9 +180,9 @@ class Impacts:
         compliance: of a target that follows the force statically, m/N, for many impacts an array, or 0 of all.
         vibrates: the target moves by its modes instead. fitted: whether curves are fitted that many impacts need.
         """
-        numbers, energy = self.numbers, self.numbers.energy
+        numbers, energy, loaded = self.numbers, self.numbers.energy, any_of(load > 0.0)
         weighed = load * 1e-3 * numbers.radius
-        if any_of(weighed > energy):
+        if loaded and any_of(weighed > energy):
             scales = self._scales(greater(energy, weighed))
         elif self.index is None and energy == 0.0:  # a ball at rest, for a component: what its weight would do
             scales = self._scales(numbers.weight * 1e-3 * numbers.radius)
@@ -206,7 +206,7 @@ class Impacts:
             share=numbers.share,
             mass=numbers.mass,
             given=Given(impedance, load, compliance),
-            loaded=any_of(load > 0.0),
+            loaded=loaded,
             free=self.base.target.free,
             vibrates=vibrates,
             own=own._replace(spring=spring) if springs and self.many else own,

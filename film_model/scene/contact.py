@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import partial
+from functools import cached_property, partial
 from typing import Any, Literal, cast
 
 from film_model.base.errors import Mistake, SimulationError, did_you_mean, nearest, raise_all, shown
@@ -128,7 +128,7 @@ class Contact(InUnits):
         known = {} if self.law == "auto" or not isinstance(self.law, str) else self._law.over_strength(1.0)
         return [name for name in known if name not in self.parameters]
 
-    @property
+    @cached_property
     def unloading_name(self) -> str | None:
         """The rule that replaces the law's own unloading, or None."""
         if self.unloading is not None or self.law == "auto":

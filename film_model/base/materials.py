@@ -32,6 +32,10 @@ MOST_RELAXATIONS = 12
 MOST_RELAXED = 0.9999
 """Limit of the sum of a Prony series' relative moduli: a modulus that falls to 0 leaves no solid."""
 
+USUAL = (0.3, 3.0)
+"""Mass over density × volume of a ball of the contact's radius, and numbers of a material over those of the catalogue
+under its name, beyond which there is a remark."""
+
 _PAIR = (measure("dimensionless", 0, 1, open_ends=True), measure("time", 1e-12, 1e12))
 
 
@@ -161,6 +165,33 @@ class Material(InUnits):
     def shear_velocity(self) -> float:
         """c_T = √(G/ρ) of shear waves, m/s."""
         return root(self.youngs_modulus / (2.0 * (1.0 + self.poissons_ratio)) / self.density)
+
+    @cached_property
+    def remarks(self) -> list[str]:
+        """Sentences about numbers, not of the catalogue, that are possible, but more often a mistake of units."""
+        softest = 1e5  # Young's modulus of the softest rubbers, Pa; gels and foams may have less
+        heaviest = 23000.0
+        lightest = 10.0  # densities of light foams and of osmium, kg/m³
+        usual = named(self.name)
+        if usual == self:
+            return []
+        found: list[str] = []
+        for name, dimension in (("density", "density"), ("youngs_modulus", "pressure")):
+            value = getattr(self, name)
+            if usual is not None and not USUAL[0] <= value / getattr(usual, name) <= USUAL[1]:
+                known = format_si(getattr(usual, name), dimension)
+                found.append(f"{name}: {format_si(value, dimension)}, but {usual.name} has {known}; check units")
+        if not found and not lightest <= self.density <= heaviest:
+            of = "a light foam" if self.density < lightest else "osmium"
+            limit = format_si(lightest if self.density < lightest else heaviest, "density")
+            found.append(f"density: {format_si(self.density, 'density')}, but {of} has {limit}; check units")
+        if not found and self.youngs_modulus < softest:
+            modulus, limit = format_si(self.youngs_modulus, "pressure"), format_si(softest, "pressure")
+            found.append(f"youngs_modulus: {modulus}, but a soft rubber has {limit}; check units")
+        if self.yield_strength is not None and self.yield_strength > self.youngs_modulus:
+            strength, modulus = (format_si(value, "pressure") for value in (self.yield_strength, self.youngs_modulus))
+            found.append(f"youngs_modulus: {modulus} is less than the yield strength, {strength}; check units")
+        return found
 
     @cached_property
     def hardening_exponent(self) -> float:

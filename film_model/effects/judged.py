@@ -15,6 +15,7 @@ from film_model.effects import material_rules as materials
 from film_model.effects.case import Case, case_of
 from film_model.effects.effect import (
     ABSENT,
+    FREE,
     NOT_JUDGED,
     NOT_MODELLED,
     NOT_NEEDED,
@@ -77,19 +78,20 @@ def _apply(name: str, problem: Problem, case: Case | None) -> Effect:
 def effect_of(rule: Rule, found: Estimate, tolerance: float) -> Effect:
     """What a rule found, as an effect. tolerance: change from which it matters."""
     name, indicator, source = rule
-    indicator, value, limit, size = found.indicator or indicator, found.value, found.threshold, found.change
-    if not found.applies:
-        return Effect(name, indicator, None, None, 0.0, NOT_NEEDED, found.reason, source)
-    if found.simulated:
-        return Effect(name, indicator, value, limit, size, SIMULATED, found.reason, source)
-    if found.fails or size is None or value is None:
-        state = NOT_MODELLED if found.fails else NOT_JUDGED
-        return Effect(name, indicator, value, limit, None, state, found.reason, source, ABSENT)
-    state, cost, reason = NOT_MODELLED if size > tolerance else NOT_NEEDED, ABSENT, found.reason
-    if found.remedy is not None:
-        cost, reason = f"{ABSENT}: {found.remedy}", reason + (f": {found.remedy}" if size > tolerance else "")
-    limit = limit if found.below else agreeing(value, limit, size, tolerance)
-    return Effect(name, indicator, value, limit, size, state, reason, source, cost)
+    reason, value, limit, size, applies, fails, own, remedy, below, simulated = found
+    if not applies:
+        return Effect(name, own or indicator, None, None, 0.0, NOT_NEEDED, reason, source)
+    cost = ABSENT
+    if simulated:
+        cost, state = FREE, SIMULATED
+    elif fails or size is None or value is None:
+        size, state = None, NOT_MODELLED if fails else NOT_JUDGED
+    else:
+        if remedy is not None:
+            cost, reason = f"{ABSENT}: {remedy}", f"{reason}: {remedy}" if size > tolerance else reason
+        limit = limit if below else agreeing(value, limit, size, tolerance)
+        state = NOT_MODELLED if size > tolerance else NOT_NEEDED
+    return Effect(name, own or indicator, value, limit, size, state, reason, source, cost)
 
 
 def agreeing(value: float | None, threshold: float | None, size: float | None, tolerance: float) -> float | None:

@@ -21,7 +21,7 @@ from film_model.effects.judged import Rule, effect_of
 from film_model.effects.trial import beyond, change
 from film_model.problem.law_of_scene import ELASTIC
 from film_model.problem.problem import Problem
-from film_model.problem.relaxation import Relaxation
+from film_model.problem.relaxation import Relaxation, relaxation_of
 from film_model.targets import Estimate
 
 COST = "10 to 20 times the time"
@@ -47,7 +47,7 @@ def relaxing(problem: Problem) -> tuple[Problem, Any]:
     """Impacts with the relaxation of their materials, and for which of them it is simulated; if for none, the impacts
     as they are. Raises TypeError if each of many relaxes differently."""
     wanted = problem.scene.effects.viscoelasticity
-    relaxation = None if wanted is False else problem.impacts.relaxation
+    relaxation = None if wanted is False else relaxation_of(problem.impacts.scene)
     why = "" if relaxation is None else hindered(problem)
     if why and wanted is True:
         raise SimulationError(f"viscoelasticity = true in [effects] is not supported: {why}")
@@ -61,7 +61,7 @@ def relaxing(problem: Problem) -> tuple[Problem, Any]:
 
 def describe(problem: Problem) -> Effect:
     """The effect on one impact. problem: what is simulated."""
-    scene, relaxation = problem.scene, problem.impacts.relaxation
+    scene, relaxation = problem.scene, relaxation_of(problem.scene)
     if relaxation is None:
         return effect_of(RULE, Estimate("no material has a prony series", applies=False), scene.effect_tolerance)
     elastic = replace(problem, relaxation=None)

@@ -24,7 +24,7 @@ from film_model.problem.curve import Curve, curve_of, curve_on
 from film_model.problem.law_of_scene import SceneLaw, law_named
 from film_model.problem.numbers import Numbers, zener
 from film_model.problem.own_curves import OwnCurves
-from film_model.problem.relaxation import Relaxation, relaxation_of
+from film_model.problem.relaxation import Relaxation
 from film_model.problem.scales import Scales, motion_of, scales_from, scales_of
 from film_model.scene import Scene
 from film_model.scene.columns import scene_of_columns
@@ -85,7 +85,7 @@ class Impacts:
         varied = varied or scene_of_columns(scene, columns)
         return cls(scene, law, Numbers.of(varied, index.size), varied, index, columns)
 
-    @cached_property
+    @property
     def many(self) -> bool:
         """Whether these are many impacts, and the numbers arrays."""
         return self.index is not None
@@ -122,11 +122,6 @@ class Impacts:
         """That of the law, which may be higher than the scene's (rate hardening); else the scene's, Pa, or None."""
         strength = self.law.strength
         return self.scene.yield_strength if strength is None else strength
-
-    @cached_property
-    def relaxation(self) -> Relaxation | None:
-        """That of the materials, as of :func:`relaxation_of`."""
-        return relaxation_of(self.scene)
 
     @cached_property
     def one_law(self) -> AbstractLaw:
@@ -251,15 +246,26 @@ class Problem:
         """The scene; for many impacts, the scene whose numbers are varied."""
         return self.impacts.base
 
-    def again(self, law: str | AbstractLaw | None = None, **changed: Any) -> Problem:
+    def again(
+        self,
+        law: str | AbstractLaw | None = None,
+        impedance: Number = None,
+        load: Number = None,
+        compliance: Number = None,
+    ) -> Problem:
         """The problem with another law, or law name, impedance, load or compliance; it is the same if nothing changes.
         Of one impact these problems are kept, so that each is made and marched once."""
-        given, impacts = self.given._replace(**changed), self.impacts
+        own, impacts = self.given, self.impacts
+        given = Given(
+            own.impedance if impedance is None else impedance,
+            own.load if load is None else load,
+            own.compliance if compliance is None else compliance,
+        )
         if not (impacts.many or self.vibrates or law) and given == self.given:
             return self
         if impacts.many or isinstance(law, AbstractLaw):
-            own = impacts.under(SceneLaw(law, {}, None, {})) if isinstance(law, AbstractLaw) else impacts
-            return (impacts.named(law) if isinstance(law, str) else own).problem(*given)
+            other = impacts.under(SceneLaw(law, {}, None, {})) if isinstance(law, AbstractLaw) else impacts
+            return (impacts.named(law) if isinstance(law, str) else other).problem(*given)
         if (law, given) not in self._others:
             self._others[law, given] = (impacts.named(law) if law else impacts).problem(*given)
         return self._others[law, given]

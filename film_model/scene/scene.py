@@ -300,7 +300,7 @@ class Scene:
             return self.contact.poissons_ratio
         return either(known[0] <= known[-1], known[0], known[-1])
 
-    @cached_property
+    @property
     def work_of_adhesion(self) -> float | None:
         """The value in [contact], or 2 √(γ₁ γ₂) from the materials' surface energies, J/m²; None if unknown."""
         if self.contact.work_of_adhesion is not None:
@@ -381,9 +381,8 @@ class Scene:
         return max(DEFAULT_TOLERANCE, self.solver.accuracy or 0.0) if given is None else given
 
     def _wrong_types(self) -> list[Mistake]:
-        own = Sphere, AbstractTarget, Contact, Effects, Solver, str
-        kinds: dict[str, type] = dict(zip(self.__dataclass_fields__, own, strict=True))
-        wrong = {name: kind for name, kind in kinds.items() if not isinstance(getattr(self, name), kind)}
+        kinds = zip(self.__dataclass_fields__, (Sphere, AbstractTarget, Contact, Effects, Solver, str), strict=True)
+        wrong = {name: kind for name, kind in kinds if not isinstance(getattr(self, name), kind)}
         allowed = {name: TARGETS.values() if name == "target" else [kind] for name, kind in wrong.items()}
         names = {name: " or ".join(one.__name__ for one in kinds) for name, kinds in allowed.items()}
         given = {name: shown(getattr(self, name)) for name in wrong}

@@ -22,6 +22,7 @@ from film_model.effects import rate_hardening
 from film_model.effects.choose import Choice
 from film_model.problem.law_of_scene import SceneLaw, laws_of
 from film_model.problem.problem import Impacts
+from film_model.problem.relaxation import relaxation_of
 from film_model.problem.summary import SUMMARY, summary_of
 from film_model.scene.columns import scene_of_columns
 from film_model.solve import relaxed, structures, vibration
@@ -108,7 +109,7 @@ def _relaxing(choice: Choice, pair: Pairs, path: str, tolerance: float) -> Runs:
     def run(offset: float) -> _Run:
         impacts = _impacts(choice, pair, path, value + offset * step)
         problem = impacts.problem(impacts.numbers.impedance, _load(impacts))
-        problem = replace(problem, relaxation=impacts.relaxation)
+        problem = replace(problem, relaxation=relaxation_of(impacts.base))
         status, summary = problem.relax(tolerance)
         return _Run(_values(summary_of(problem, status, summary)), (status, 1), 0)
 

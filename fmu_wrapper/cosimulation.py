@@ -29,9 +29,6 @@ INTERFACES: dict[Mode, str] = {
 Input = float | str | Callable[[float], float]
 """An input: a quantity, or a function of time (SI) whose value is constant during each step."""
 
-MOST_STEPS = 2_000_000
-"""Limit of communication steps in a run: all rows are kept in memory."""
-
 EXCHANGE_SOLVER = 1e-10
 """Default tolerance of CVODE in Model Exchange."""
 
@@ -62,6 +59,7 @@ def run(
     >>> round(float(ds.maximum_force))  # N
     3105
     """
+    most_steps = 2_000_000  # limit of communication steps in a run: all rows are kept in memory
     if mode not in get_args(Mode):
         raise ValueError(f"mode: {mode!r} is not allowed: {' or '.join(get_args(Mode))} is needed")
     if not 0.0 < tolerance < 1.0:
@@ -77,9 +75,9 @@ def run(
         experiment = fmu.description.defaultExperiment
         stop = _positive("stop_time", float(experiment.stopTime) if stop_time is None else stop_time)
         step = _positive("step_size", float(experiment.stepSize) if step_size is None else step_size)
-        if stop / step > MOST_STEPS:
+        if stop / step > most_steps:
             raise ValueError(
-                f"step_size: {step:g} s is {stop / step:.3g} steps to {stop:g} s, {MOST_STEPS} are allowed"
+                f"step_size: {step:g} s is {stop / step:.3g} steps to {stop:g} s, {most_steps} are allowed"
             )
         starts = _start_values(fmu, start_values or {})
         given = {name: _input(name, value) for name, value in (inputs or {}).items()}

@@ -17,7 +17,8 @@ from film_model.base.errors import DamagedFile
 from fmu_wrapper import platforms, resource
 
 _LOAD = "import ctypes, sys; ctypes.CDLL(sys.argv[1])"
-_LONGEST_LOAD = 60  # s
+
+
 _PLACE = r"^ERROR \((line \d+), column \d+\): "  # in messages of FMPy
 
 
@@ -90,11 +91,12 @@ _FAILURES: dict[str, str] = {}
 
 
 def _failure(binary: Path) -> str:
+    longest_load = 60  # s
     command = [sys.executable, "-I", "-S", "-c", _LOAD, str(binary)]
     try:
-        done = subprocess.run(command, capture_output=True, text=True, errors="replace", timeout=_LONGEST_LOAD)
+        done = subprocess.run(command, capture_output=True, text=True, errors="replace", timeout=longest_load)
     except subprocess.TimeoutExpired:
-        return f"it takes longer than {_LONGEST_LOAD:g} s"
+        return f"it takes longer than {longest_load:g} s"
     if done.returncode < 0:
         return f"it ends the process by {signal.Signals(-done.returncode).name}"
     if done.returncode and _processor(binary) != _processor(sys.executable):

@@ -15,9 +15,6 @@ from film_model.effects.many import problems_of, rows_of
 from film_model.problem.model_intervals import ASKED, COVERED, LARGEST, asked_number, evidence, missing, residuals_of
 from film_model.problem.summary import SUMMARY
 
-BLOCK = 100_000
-"""Impacts whose decisions are held in memory at a time."""
-
 NONE = -1
 """Family of an impact of which measurements are not asked for."""
 
@@ -25,15 +22,16 @@ NONE = -1
 def sweep_intervals(ds: Dataset, sweep: Sweep) -> Dataset:
     """For each impact of a sweep or of a selection, the family of its measurements, and low and high of the interval of
     each summary value that has one; NaN without. See `film_datasets.accessor.Film.intervals`."""
+    block = 100_000  # impacts whose decisions are held in memory at a time
     require_impacts(ds)
     names = [name for name in SUMMARY if any(residuals_of(family, name) for family in ASKED)]
     require(ds, names)
     status = ds["status"]
     family = np.full(status.size, NONE, np.int8)
     for scene, rows, numbers in parts_of(ds, sweep):
-        for first in range(0, rows.size, BLOCK):
-            places = rows[first : first + BLOCK]
-            own = {path: values[first : first + BLOCK] for path, values in numbers.items()}
+        for first in range(0, rows.size, block):
+            places = rows[first : first + block]
+            own = {path: values[first : first + block] for path, values in numbers.items()}
             for problem in problems_of(scene, own, places.size):
                 family[places[rows_of(problem)]] = asked_number(problem)
     import xarray as xr

@@ -15,9 +15,6 @@ from film_model.base.foreign import Dataset
 from film_model.scene import Scene
 from film_model.solve.history import MOTION
 
-MOST_VALUES = 20_000_000
-"""Impacts times times: five numbers for each are held in memory."""
-
 
 def sample_all(ds: Dataset, sweep: Sweep, times: Array) -> dict[str, Array]:
     """Motion at ascending times [s] of every impact of a sweep or of a selection: arrays over its dimensions and the
@@ -25,12 +22,13 @@ def sample_all(ds: Dataset, sweep: Sweep, times: Array) -> dict[str, Array]:
 
     Raises ValueError for too many values.
     """
+    most_values = 20_000_000  # impacts times times: five numbers for each are held in memory
     require_impacts(ds)
     status = ds["status"]
     shape, count = (*status.shape, times.size), status.size
-    if count * times.size > MOST_VALUES:
+    if count * times.size > most_values:
         raise ValueError(
-            f"{count} impacts at {times.size} times: at most {MOST_VALUES} values fit; select fewer impacts"
+            f"{count} impacts at {times.size} times: at most {most_values} values fit; select fewer impacts"
         )
     motion = {name: np.full((count, times.size), np.nan) for name in MOTION}
     for scene, rows, numbers in parts_of(ds, sweep):

@@ -9,9 +9,6 @@ from film_datasets.reference_impacts.score import Score, by_quantity
 from film_model.base.foreign import Figure
 from film_model.plot.style import COLOURS, picture, plain
 
-LEAST = 1e-16
-"""Smaller errors are drawn here."""
-
 
 def plot_scores(
     scores: list[Score] | Mapping[str, list[Score]], path: str | os.PathLike[str] | None = None, dpi: float = 200.0
@@ -27,13 +24,14 @@ def plot_scores(
 
 
 def _draw(figure: Figure, codes: Mapping[str, list[Score]], names: list[str]) -> None:
+    least = 1e-16  # smaller errors are drawn here
     figure.set_layout_engine("constrained")
     panel = figure.add_subplot()
     for k, ((code, scores), colour) in enumerate(zip(codes.items(), COLOURS, strict=False)):
         table, below = by_quantity(scores), 0.2 * (k - 0.5 * (len(codes) - 1))
-        errors = [[max(one.errors[name], LEAST) for one in scores if name in one.errors] for name in names]
+        errors = [[max(one.errors[name], least) for one in scores if name in one.errors] for name in names]
         points = [(error, place + below) for place, each in enumerate(errors) for error in each]
-        medians = [(max(table[name]["median"], LEAST), names.index(name) + below) for name in table]
+        medians = [(max(table[name]["median"], least), names.index(name) + below) for name in table]
         panel.plot(*zip(*points, strict=True), "o", color=colour, markersize=4, alpha=0.5, label=code or None)
         panel.plot(*zip(*medians, strict=True), "|", color=colour, markersize=14, markeredgewidth=2)
     panel.set_xscale("log")

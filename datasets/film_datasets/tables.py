@@ -36,9 +36,6 @@ NEEDS_PARQUET = 'Parquet files need pyarrow: install film-model[parquet] (pip in
 
 NO_COLUMNS = frozenset(v.name for v in TABLE[f"{SWEEP} segments"]) | {"scene_key"}
 
-MAT_HEADER = 116
-"""Bytes of text at the beginning of a MATLAB file, in which SciPy writes the time."""
-
 
 def to_frame(ds: Dataset) -> DataFrame:
     """The values of a dataset as a table with units in the headings: `contact_force [N]`, SI; flags as words.
@@ -122,6 +119,7 @@ def _heading(variable: Variable) -> str:
 
 def _mat(ds: Dataset) -> bytes:
     """The content of a MATLAB 5 file: a vector for each column, texts as cells, and the struct `units`."""
+    mat_header = 116  # bytes of text at the beginning of a MATLAB file, in which SciPy writes the time
     from scipy.io import savemat  # lazy: it takes 0.2 s
 
     columns = _columns(ds)
@@ -133,4 +131,4 @@ def _mat(ds: Dataset) -> bytes:
     file = io.BytesIO()
     savemat(file, content, oned_as="column", long_field_names=True, do_compression=True)
     text = f"MATLAB 5.0 MAT-file, film-model {ds.attrs.get('film_model_version', '')}"
-    return text.ljust(MAT_HEADER).encode() + file.getvalue()[MAT_HEADER:]
+    return text.ljust(mat_header).encode() + file.getvalue()[mat_header:]

@@ -30,7 +30,6 @@ ERRORS = (0.0, 1e-8, 1e-5)
 """Of sliding velocities over those before, and the second of forces and their times in the table; measured in tests."""
 
 _STEPS, _COLUMNS = FRICTION.film("FRICTION_STEPS", "FRICTION_COLUMNS")
-_PER_STEP = 4
 
 
 @FRICTION.structure("film_normal")
@@ -61,8 +60,9 @@ _library = native.with_functions(FRICTION, sizes=("film_friction_sizes", Normal,
 
 def impact(normal: Normal, rate: float, velocity: float) -> tuple[int, Result, Array]:
     """Status and result of one impact, and its motion: rows of time, z, D, D', q and c. rate: 2χ; velocity: D'."""
-    result, rows, count = Result(), np.empty((_PER_STEP * _STEPS + 2, _COLUMNS)), c.c_int32()
-    room = rows.ctypes.data, _PER_STEP, len(rows), c.byref(count)
+    per_step = 4
+    result, rows, count = Result(), np.empty((per_step * _STEPS + 2, _COLUMNS)), c.c_int32()
+    room = rows.ctypes.data, per_step, len(rows), c.byref(count)
     status = _library().film_friction(c.byref(normal), rate, velocity, 0, c.byref(result), *room)
     return status, result, rows[: count.value].copy()
 

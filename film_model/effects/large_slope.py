@@ -27,9 +27,6 @@ from film_model.targets import Estimate
 COMPUTED = 0.5
 """√(δ/R) up to which finite elements were computed."""
 
-DEEPEST = 1.0
-"""Indentation over the effective radius from which no contact law is valid: half of a ball is below the surface."""
-
 
 def steep(problem: Problem) -> tuple[Problem, Any]:
     """Impacts with the slopes of their surfaces, and for which of them they are simulated; if for none, the impacts as
@@ -63,6 +60,8 @@ def _change(coefficient: Any, depth: Any) -> Any:
 
 def judge(case: Case) -> Estimate:
     """Hertz's half-spaces and paraboloids instead of balls: the change of the force at the energy of the impact."""
+    # Indentation over the effective radius from which no contact law is valid: half of a ball is below the surface
+    deepest = 1.0
     scene = case.scene
     modulus, radius, coefficient = scene.effective_modulus, scene.effective_radius, scene.slope_coefficient
     if scene.nose is not None:
@@ -72,12 +71,12 @@ def judge(case: Case) -> Estimate:
         return Estimate("known for balls only", beyond)
     if modulus is None:
         return Estimate("missing: an effective modulus")
-    if case.problem.law.name == YIELDING and case.seen.indentation <= DEEPEST * radius:
+    if case.problem.law.name == YIELDING and case.seen.indentation <= deepest * radius:
         return Estimate(f"law {YIELDING} is that of finite elements with large slopes", applies=False)
     seen = case.seen
-    if seen.indentation > DEEPEST * radius:
+    if seen.indentation > deepest * radius:
         why = f"the indentation is {seen.indentation / radius:.3g} times the radius: no contact law is valid so deep"
-        return Estimate(why, seen.contact_radius / radius, math.sqrt(DEEPEST), fails=True)
+        return Estimate(why, seen.contact_radius / radius, math.sqrt(deepest), fails=True)
     hertz = (seen.force / scene.hertz_stiffness) ** (2.0 / 3.0)  # elastic part of the indentation
     size = _change(BALL if coefficient is None else coefficient, hertz / radius) * hertz / seen.indentation
     value = seen.contact_radius / radius

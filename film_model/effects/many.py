@@ -36,10 +36,6 @@ FEW = 4
 _OF_THE_IMPACTOR = ("impactor.velocity", "impactor.mass")
 _ASKED = 16  # if the target vibrates in so many impacts, evenly chosen by energy, then in all between them
 
-SURE = 3.0
-"""Edges are neglected without further trials if the change by reflections is this many times below the tolerance."""
-
-
 MOST_KEPT = 1000
 """Problems of impacts on targets that vibrate that are kept, of some kB each."""
 
@@ -116,7 +112,9 @@ def _edges_may_matter(problem: Problem) -> Mask:
 
 def may_matter(off: Any, tolerance: Any) -> Any:
     """Whether reflected waves may matter that change the summary by about so much."""
-    return ~(off < tolerance / SURE)
+    # Edges are neglected without further trials if the change by reflections is this many times below the tolerance
+    sure = 3.0
+    return ~(off < tolerance / sure)
 
 
 def _one_by_one(

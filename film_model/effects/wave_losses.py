@@ -25,9 +25,6 @@ from film_model.problem.summary import radiated
 from film_model.scene import Scene
 from film_model.targets.waves import HERTZ_SQUARE
 
-MOST_WEIGHT = 0.1
-"""Weight over the largest elastic force, beyond which the impact lasts longer than its velocity says."""
-
 
 def impedance_of(scene: Scene, yielding: bool) -> Any:
     """The impedance by which a half-space takes up the energy of waves, N s/m; infinite if unknown (a cone). Of one
@@ -105,7 +102,9 @@ def pressed(problem: Problem) -> Any:
 
 def heaviest(scene: Scene) -> Any:
     """Weight from which they do, N."""
-    return MOST_WEIGHT * scene.elastic_impact[1]
+    # Weight over the largest elastic force, beyond which the impact lasts longer than its velocity says
+    most_weight = 0.1
+    return most_weight * scene.elastic_impact[1]
 
 
 def remarks(problem: Problem) -> tuple[str, ...]:

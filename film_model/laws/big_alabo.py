@@ -9,9 +9,7 @@ from typing import ClassVar
 from film_model.laws.law import Parameter, Power, Stage, Unloading
 from film_model.laws.yielding import YieldingSphere
 
-TRANSITION = 13.93  # δ_tep/δ_y
 FULLY_PLASTIC = 82.5  # δ_p/δ_y
-LINEAR_SLOPE = 5.40  # K_l/(K √δ_y)
 
 
 @dataclass(frozen=True)
@@ -46,15 +44,17 @@ class BigAlabo(YieldingSphere):
     constants: str = "continuous"
 
     def stages(self) -> tuple[Stage, ...]:
+        linear_slope = 5.40  # K_l/(K √δ_y)
+        transition = 13.93  # δ_tep/δ_y
         printed = self.constants == "printed"
-        f_transition = 1.0 + (TRANSITION - 1.0) ** 1.5
-        f_plastic = f_transition + LINEAR_SLOPE * (FULLY_PLASTIC - TRANSITION)
+        f_transition = 1.0 + (transition - 1.0) ** 1.5
+        f_plastic = f_transition + linear_slope * (FULLY_PLASTIC - transition)
         if printed:
-            f_plastic = 70.0 * LINEAR_SLOPE + 47.6
-        width = 11.93 if printed else TRANSITION - 1.0
+            f_plastic = 70.0 * linear_slope + 47.6
+        width = 11.93 if printed else transition - 1.0
         radius = (
             Power(constant=1.0, coefficient=width**-1.5, exponent=1.5),
-            Power(constant=2.0, slope=0.8 / (FULLY_PLASTIC - TRANSITION)),
+            Power(constant=2.0, slope=0.8 / (FULLY_PLASTIC - transition)),
             Power(constant=2.8),
         )
         # slope K_p δ_y/F_y, from K_p = 4.6 π R S_y and F_y = 1.1 π R S_y δ_y
@@ -63,15 +63,15 @@ class BigAlabo(YieldingSphere):
             Stage(
                 "elastoplastic",
                 1.0,
-                TRANSITION,
+                transition,
                 Power(constant=1.0, coefficient=1.0, exponent=1.5),
                 Unloading(radius_ratio=radius[0]),
             ),
             Stage(
                 "linear elastoplastic",
-                TRANSITION,
+                transition,
                 FULLY_PLASTIC,
-                Power(constant=f_transition, slope=LINEAR_SLOPE),
+                Power(constant=f_transition, slope=linear_slope),
                 Unloading(radius_ratio=radius[1]),
             ),
             Stage(

@@ -44,10 +44,6 @@ from film_model.problem.families import (
     whole_of,
 )
 
-MOST_MARKS, SMALL = 96, 1e-13
-"""Largest number of marks (FILM_MAX_NODES), of which laws need 20 to 90; remaining difference at which no more are
-needed, over the largest force on a piece."""
-
 BESIDE = {1: 12, 2: 7, 3: 6}
 """Chebyshev nodes in each number beside the shape, of which there are one to three. From 6 on, only rounding is left
 of the error under jackson-green, 1e-14 to 5e-14; under elastoplastic, these leave 1e-11 where S_y/E is above 1e-4, or
@@ -143,10 +139,13 @@ def _cross(values: Array) -> tuple[Index, Index, Array]:
 
     Elimination with full pivoting, without BLAS: its rounding is the same on every processor.
     """
+    # Largest number of marks (FILM_MAX_NODES), of which laws need 20 to 90; remaining difference at which no more are
+    # needed, over the largest force on a piece
+    most_marks, small = 96, 1e-13
     left, rows, columns, pivots = values.copy(), list[int](), list[int](), list[Array]()
-    while len(rows) < MOST_MARKS:
+    while len(rows) < most_marks:
         row, column = divmod(int(abs(left).argmax()), left.shape[1])
-        if not abs(left[row, column]) > SMALL:
+        if not abs(left[row, column]) > small:
             break
         rows.append(row)
         columns.append(column)

@@ -43,10 +43,6 @@ COMPARED = (
 )
 """Values of the summary that the core compares, in the order of film_differences."""
 
-LEAST_GAIN = 1e-3
-"""Energy that an impact has more than before, over its own, below which it may be a numerical error: accuracies
-are seldom above 1e-3."""
-
 
 def summary_of(problem: Problem, status: Any, core: Any) -> dict[str, Any]:
     """Summary in SI from the core's; nan for what did not happen, and for all values of an impact that failed."""
@@ -153,13 +149,16 @@ def gains_energy(problem: Problem, absorbed: Any) -> Any:
 
 def gains_from_weight(problem: Problem, summary: Mapping[str, Any]) -> Any:
     """Whether an impact leaves faster than it comes by the work of its weight, without what its law gains."""
+    # Energy that an impact has more than before, over its own, below which it may be a numerical error: accuracies are
+    # seldom above 1e-3
+    least_gain = 1e-3
     pressed = problem.load > 0.0
     if not any_of(pressed):
         return pressed
     impact = problem.impact_energy
     restitution, absorbed = summary["coefficient_of_restitution"], summary["energy_absorbed"]
     gain = impact * (restitution * restitution - 1.0) + either(absorbed < 0.0, absorbed, 0.0)
-    return pressed & (gain > LEAST_GAIN * impact)
+    return pressed & (gain > least_gain * impact)
 
 
 def energy_warning(problem: Problem, summary: dict[str, float | None]) -> list[str]:

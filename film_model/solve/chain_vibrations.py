@@ -27,17 +27,8 @@ from film_model.targets.several import omitted, seen
 STEP = 0.01
 """Tolerance of a step over the accuracy."""
 
-GROWTH = 5
-"""Work of a run over that of one with half the highest frequency, about."""
-
 ABOVE = 1.5
 """Frequency of the modes that stand for the omitted ones, over the highest."""
-
-TO_DEEPEST = 1.5
-"""Time to the deepest point of Hertz's contact over depth and velocity: 1.47."""
-
-ROUNDING = 1e-9
-"""Part of the static compliance that is rounding."""
 
 
 class Followed(NamedTuple):
@@ -91,6 +82,7 @@ class Structure:
 
 def _vibrations(target: AbstractTarget, points: tuple[str, ...], highest: float, softer: bool) -> chaining.Vibrations:
     """The same in SI. A vibration stands for those above the highest at each point."""
+    rounding = 1e-9  # part of the static compliance that is rounding
     found = seen(target, points, highest)
     count = found.frequency.size
     if count > MOST_MODES:
@@ -99,7 +91,7 @@ def _vibrations(target: AbstractTarget, points: tuple[str, ...], highest: float,
     for k, point in enumerate(points):
         modes = Modes(found.frequency, found.shapes[k] ** 2)
         lacking, error = omitted(target, point, modes, highest)
-        more[k, k] = math.sqrt(lacking * (lacking > ROUNDING * modes.compliance) + error * softer)
+        more[k, k] = math.sqrt(lacking * (lacking > rounding * modes.compliance) + error * softer)
     above = np.full(len(points), ABOVE * highest)
     frequency = np.append(found.frequency, above)
     drag = np.append(2.0 * found.ratio * found.frequency, 0.0 * above)
@@ -111,8 +103,9 @@ def _vibrations(target: AbstractTarget, points: tuple[str, ...], highest: float,
 
 def first_frequency(chain: Chain, contacts: list[ChainContact]) -> float:
     """Highest frequency of the first run, rad/s, from the time to the deepest point of the quickest contact."""
+    to_deepest = 1.5  # time to the deepest point of Hertz's contact over depth and velocity: 1.47
     quickest = min(contact.length * contact.depth for contact in contacts) / speed_of(chain)
-    return rounded(FIRST_PHASE / (TO_DEEPEST * quickest))
+    return rounded(FIRST_PHASE / (to_deepest * quickest))
 
 
 def refined(
@@ -129,6 +122,7 @@ def refined(
     `film_model.solve.vibration.vibrate`. damped: whether a law is. inexact: whether the static compliances have
     errors; their effect is that of one more run.
     """
+    growth = 5  # work of a run over that of one with half the highest frequency, about
     followed, runs, work, estimated = [Followed(first, STEP * accuracy)], list[chaining.Run](), 0, math.inf
     while True:
         try:
@@ -146,7 +140,7 @@ def refined(
         changes = [difference(*pair) for pair in pairwise(runs[-3:])]
         if changes:
             estimated = float(error_of(damped, changes[0], changes[-1])) + followed[-1].tolerance
-        if len(runs) > 2 and (estimated <= accuracy or work + GROWTH * runs[-1].work > chaining.MOST_WORK):
+        if len(runs) > 2 and (estimated <= accuracy or work + growth * runs[-1].work > chaining.MOST_WORK):
             break
         followed.append(Followed(2.0 * followed[-1].highest, followed[-1].tolerance))
     last = len(runs) - 1

@@ -30,9 +30,6 @@ ROUGH = 2e-3
 """Of the largest force or radius, by which knots lie beside the cubic through every other one where the law has a
 second kink or a jump (tests/test_friction_estimate.py)."""
 
-RECORDED = 5
-"""Segments of a loading stage with which motions are recorded under laws that yield, and by series."""
-
 LIKELY = 0.6
 """Springs that are tried first, over (accuracy ψ₁)^(-1/2). Affects cost only: others follow if they do not do."""
 
@@ -74,6 +71,7 @@ def by_springs(
     More springs follow impacts until the estimate meets the accuracy, or `MODELLED` if the law yields; where the exact
     solution is not coarse there are as many as possible from the start, for results that are smooth over the impacts.
     """
+    recorded = 5  # segments of a loading stage with which motions under laws that yield are recorded
     accuracy = solver.accuracy or DEFAULT_ACCURACY
     tolerance = accuracy if problem.curve.reversible else max(accuracy, MODELLED)
     levels = springs.LEVELS if coarseness(solver) else springs.LEVELS[-1:]
@@ -82,7 +80,7 @@ def by_springs(
     series = problem.own.alike and bool(np.all(damped)) and families.by_series(problem.curve.native, mesh)
     few = (yields and coarse) or (series and coarse == QUICK)
     if few and solver.accuracy is not None and solver.linearisation != "chord":
-        segments = np.tile(np.array(problem.curve.segments(RECORDED), np.int32), (len(segments), 1))
+        segments = np.tile(np.array(problem.curve.segments(recorded), np.int32), (len(segments), 1))
     elif not series:
         segments = recorded_segments(problem, solver, segments)
         # of damped motions twice those with which the ends meet the accuracy: the force between is up to 1e-3 less

@@ -8,9 +8,6 @@ from typing import Any
 from film_model.base.arrays import either, greater, lesser, logarithm, root
 from film_model.problem.problem import Problem
 
-LONGEST = 3.0
-"""Time limit over the sum of contact times on a fixed target and on the static stiffness, and the longest period."""
-
 MODES_FACTOR = 3.0
 """Bound on the error of a run over its difference to a run with half the highest frequency.
 
@@ -30,9 +27,6 @@ DAMPED_FALL = 4.0
 IMPULSES = 80.0
 """Factor of the impulse that scales the tolerance of a step. With half or twice as much impacts take about as long."""
 
-SLOWEST = 1e-3
-"""Velocity of an impact without one, over δ_s/t_s, as in the core."""
-
 FIRST_PHASE = 24.0
 """Highest frequency of the first run times the time from touch to the deepest point."""
 
@@ -48,9 +42,10 @@ def swiftness(problem: Problem, core: Any, shares: Any, highest: Any) -> Any:
 def step_share(problem: Problem, core: Any, swift: Any) -> Any:
     """Factor of the steps' tolerance, at most 1: the impulse of the largest force over the time that contact takes to
     follow the structure, times `IMPULSES`, over the momentum. An error as large would change that force as much."""
+    slowest = 1e-3  # velocity of an impact without one, over δ_s/t_s, as in the core
     rate, impulse = swift * problem.scales.time, IMPULSES * core.maximum_force
     moves = rate > 0.0
-    return either(moves, lesser(1.0, impulse / (either(moves, rate, 1.0) * greater(problem.approach, SLOWEST))), 1.0)
+    return either(moves, lesser(1.0, impulse / (either(moves, rate, 1.0) * greater(problem.approach, slowest))), 1.0)
 
 
 def softness(problem: Problem, core: Any) -> Any:
@@ -62,9 +57,11 @@ def softness(problem: Problem, core: Any) -> Any:
 def following(problem: Problem, still: Any, compliance: Any, lowest: Any) -> tuple[Any, Any]:
     """Time limit, s, and least highest frequency of the first run, rad/s. still: the core's summary of the impact on a
     fixed target. compliance: of the target, m/N. lowest: frequency of its vibrations, rad/s, or 0."""
+    # Time limit over the sum of contact times on a fixed target and on the static stiffness, and the longest period
+    longest = 3.0
     unit, bends = problem.scales.time, lowest > 0.0
     slow, period = math.pi * root(problem.mass * compliance), 2.0 * math.pi / either(bends, lowest, math.inf)
-    limit = LONGEST * (still.contact_duration * unit + slow + period)
+    limit = longest * (still.contact_duration * unit + slow + period)
     return limit, greater(FIRST_PHASE / (still.time_of_maximum_indentation * unit), 4.0 * lowest)
 
 

@@ -39,18 +39,12 @@ _NODES = (np.polynomial.legendre.leggauss(4)[0] + 1.0) / 2.0
 _POWERS = np.linalg.inv(np.vander(_NODES, increasing=True))
 """Coefficients of θ^k of the cubic with given values at the Gauss nodes of a step."""
 
-MOST_NUMBERS = 1_000_000
-"""Numbers of modes at several times that are computed together: 8 MB."""
-
 IN_CONTACT = 2048
 """Least number of even times while there is contact, of which the largest motions are taken: a force that is linear
 between them differs by 1e-6 of itself where it is a half-sine."""
 
 MOST_TIMES = 2**14
 """Number of even times in all, or up to 1.2 times as many, where a smaller part of them is in contact."""
-
-SLOW = 1e-4
-"""Angle that a motion of frequency 0 turns by in all: as a vibration it is then exact to SLOW²/6 = 2e-9."""
 
 MOTION = {
     "displacement": ("length", "displacement of the sensor, positive along the impactor's approach"),
@@ -156,10 +150,11 @@ def split_rows(target: AbstractTarget, found: Array) -> Array:
 
 def _follow(on: Modes, steps: Any, unit: float, times: Array) -> Array:
     """Displacement, velocity and acceleration of each sensor at the times. unit: of the steps' forces, N."""
+    most_numbers = 1_000_000  # numbers of modes at several times that are computed together: 8 MB
     moved, rate = np.zeros(on.frequency.size), np.zeros(on.frequency.size)
     found, first = np.zeros((3, len(on.factor), times.size)), 0
     total, damp, square = on.factor.sum(axis=1), 2.0 * on.damping_ratio * on.frequency, on.frequency**2
-    together = max(MOST_NUMBERS // on.frequency.size, 1)
+    together = max(most_numbers // on.frequency.size, 1)
     ends = np.append(steps["time"][1:], np.inf)
     for step, until in zip(steps, ends.tolist(), strict=True):
         powers, begin = _cubic(step, unit), float(step["time"])
@@ -286,7 +281,8 @@ def responses(on: Modes, dt: float, count: int) -> Array:
     Im(e^{st} dt (e^{−s dt} − 2 + e^{s dt})/(s dt)²)/ω_d; its derivatives have the factors s and s². The exponentials
     of all times are products of those of few.
     """
-    omega = np.maximum(on.frequency, SLOW / (count * dt))
+    slow = 1e-4  # angle that a motion of frequency 0 turns by in all: as a vibration it is then exact to 2e-9
+    omega = np.maximum(on.frequency, slow / (count * dt))
     pole = -on.damping_ratio * on.frequency + 1j * omega * np.sqrt(1.0 - on.damping_ratio**2)
     z = pole * dt
     small = np.polynomial.polynomial.polyval(z, [1.0 / math.factorial(k) for k in range(2, 10)])

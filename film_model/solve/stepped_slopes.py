@@ -31,13 +31,6 @@ from film_model.solve.slopes import SMOOTH, STENCILS, Pairs, Slopes, applied, ki
 from film_model.solve.vibration import Vibration
 from film_model.targets import AbstractTarget
 
-STEPS = 1e-6
-"""Tolerance of a step over the requested accuracy."""
-
-NARROW = 0.2
-"""Step of the stencil over that of an impact on lines: after several contacts, which magnify every difference, the
-summary bends more. Needed by tests/test_stepped_derivatives.py."""
-
 BENT = 1e-6
 """As `KINK` of impacts on lines; the differences are then exact to about 1e-7."""
 
@@ -46,9 +39,6 @@ GAP = 1.004
 
 BEYOND = 1.25
 """Highest frequency of the modes among which a gap is found, over that of the impact."""
-
-FEW_MODES = 4.0
-"""Frequency up to which the modes of two targets are compared, over the lowest."""
 
 LEVELS = (4.0, 2.0, 1.0)
 """Highest frequency of the impact itself over those of the runs."""
@@ -78,12 +68,16 @@ def slopes_on_modes(choice: Choice, pairs: Pairs, found: Vibration, accuracy: fl
     Raises SimulationError for a number of the target, with which too many modes change.
     """
 
+    # Step of the stencil over that of an impact on lines: after several contacts, which magnify every difference, the
+    # summary bends more. Needed by tests/test_stepped_derivatives.py
+    narrow = 0.2
+
     def error(before: Array, change: Array) -> Array:
         return error_of(choice.problem.law.damped, before, change)
 
     slopes = Slopes.none(len(pairs.paths))
     for k, path in enumerate(pairs.paths):
-        pair = replace(pairs.part(np.array([k])), step=NARROW * pairs.step[k : k + 1])
+        pair = replace(pairs.part(np.array([k])), step=narrow * pairs.step[k : k + 1])
         runs = [_on_modes(choice, pair, path, found.highest / level, accuracy) for level in LEVELS]
         _set(slopes, k, pair, runs, error)
     return slopes
@@ -118,8 +112,9 @@ def _relaxing(choice: Choice, pair: Pairs, path: str, tolerance: float) -> Runs:
 
 def _on_modes(choice: Choice, pair: Pairs, path: str, highest: float, accuracy: float) -> Runs:
     """With the modes up to a frequency."""
+    steps = 1e-6  # tolerance of a step over the requested accuracy
     target, unit, count = choice.scene.target, choice.problem.scales.time, 0
-    limit, tolerance = vibration.time_limit(choice.problem, target), max(accuracy * STEPS, vibration.TIGHTEST)
+    limit, tolerance = vibration.time_limit(choice.problem, target), max(accuracy * steps, vibration.TIGHTEST)
     carried = structures.CARRIED if choice.problem.stretches else 0
     value, step = float(pair.value[0]), float(pair.step[0])
     if _changes_modes(target, _impacts(choice, pair, path, value + step).base.target):
@@ -162,9 +157,10 @@ def _impacts(choice: Choice, pair: Pairs, path: str, value: float) -> Impacts:
 
 def _changes_modes(target: AbstractTarget, moved: AbstractTarget) -> bool:
     """Whether the lowest modes of two targets differ, and with them all others."""
+    few_modes = 4.0  # frequency up to which the modes of two targets are compared, over the lowest
     if moved == target:
         return False
-    lowest = FEW_MODES * (structures.lowest_frequency(target) or 1.0)
+    lowest = few_modes * (structures.lowest_frequency(target) or 1.0)
     one, other = target.modes(lowest), moved.modes(lowest)
     columns = ((one.frequency, other.frequency), (one.share, other.share), (one.damping_ratio, other.damping_ratio))
     return not all(np.array_equal(*pair) for pair in columns)

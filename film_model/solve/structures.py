@@ -52,9 +52,6 @@ CARRIED = 16
 """Most vibrations with membrane forces, the lowest. At 2.8 thicknesses the largest force on a square plate is 979,
 1033, 1052 and 1064 N with 6, 11, 15 and 20 of them; the time grows with the fourth power of their number."""
 
-MOST_RAISED = 1e6
-"""Frequency over the lowest, below which they are sought."""
-
 APART = 1e-3
 """Least relative distance between the frequencies of the last of them and the next."""
 
@@ -84,10 +81,11 @@ def modes_of(target: AbstractTarget, highest: float, carried: int = 0) -> tuple[
 
 def _membrane(target: AbstractTarget) -> tuple[Modes, Array]:
     """The `CARRIED` lowest modes, up to a frequency from which the next is apart, and their forms."""
+    most_raised = 1e6  # frequency over the lowest, below which they are sought
     highest = 2.0 * lowest_frequency(target)
     while (known := target.modes(highest).frequency).size <= CARRIED:
         highest *= 1.5
-        if highest > MOST_RAISED * lowest_frequency(target):  # a thick plate has no more
+        if highest > most_raised * lowest_frequency(target):  # a thick plate has no more
             return target.membrane(highest)
     return target.membrane(_border(known, CARRIED))
 

@@ -29,8 +29,6 @@ LAMBDAS, RATIOS = (1e-3, 10.0), (0.1, 1000.0)
 
 WIDEST = 10.0
 
-POINTS = 121  # a side of the grid
-
 
 class Regimes(NamedTuple):
     """Fields over V/V_Y (rows) and λ (columns), and where the scene is (None: not known, or no such thing).
@@ -54,21 +52,22 @@ def regimes(scene: Scene) -> Regimes:
 
     Raises SimulationError for a beam.
     """
+    points = 121  # a side of the grid
     if scene.target.structural and math.isinf(scene.target_impedance):
         raise SimulationError(
             f"a {scene.target.kind} has no place on a map of regimes: without a wave impedance it has no λ"
         )
     value, ratio = _place(scene)
-    lambdas = np.geomspace(*_range(LAMBDAS, value), POINTS)
-    ratios = np.geomspace(*_range(RATIOS, ratio), POINTS)
-    nu = np.repeat(math.sqrt(0.8) * ratios, POINTS)
+    lambdas = np.geomspace(*_range(LAMBDAS, value), points)
+    ratios = np.geomspace(*_range(RATIOS, ratio), points)
+    nu = np.repeat(math.sqrt(0.8) * ratios, points)
     start: Any = np.zeros(nu.size, native.START_DTYPE)
-    start["nu"], start["gamma"], start["time_limit"] = nu, np.tile(lambdas, POINTS) / nu**0.2, math.inf
-    still = start[::POINTS].copy()
+    start["nu"], start["gamma"], start["time_limit"] = nu, np.tile(lambdas, points) / nu**0.2, math.inf
+    still = start[::points].copy()
     still["gamma"] = 0.0
     mesh, curve = native.mesh(native.WORK_PRESERVING, 8, 16), curve_of(BigAlabo(1.0, 1.0, 1.0)).native
     _, moved = native.batch(curve, mesh, start)
-    held = np.repeat(native.batch(curve, mesh, still)[1], POINTS)
+    held = np.repeat(native.batch(curve, mesh, still)[1], points)
     impact = 0.5 * nu**2
     with np.errstate(divide="ignore", invalid="ignore"):  # a contact that never turns
         radiated = (impact - 0.5 * moved["final_velocity"] ** 2 - moved["work"]) / impact
@@ -77,7 +76,7 @@ def regimes(scene: Scene) -> Regimes:
     off += [abs(held["final_velocity"] - moved["final_velocity"]) / nu, abs(held["work"] - moved["work"]) / impact]
     motion = np.nan_to_num(np.maximum.reduce([*off, radiated]), nan=1.0, posinf=1.0)
     reflected, rests = _boundaries(scene, start, moved)
-    shape = (POINTS, POINTS)
+    shape = (points, points)
     return Regimes(
         lambdas,
         ratios,

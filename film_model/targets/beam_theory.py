@@ -21,16 +21,11 @@ from film_model.targets.line_functions import Line as Functions
 from film_model.targets.line_functions import line, polynomials
 from film_model.targets.modes import Array, Modes, Points, check_count, projected, sorted_modes
 
-MOST_WAVES = 300
-"""Most half-waves of a beam that is not simply supported: their vibrations take half a second."""
-
 MOST_SHEARED = 200
 """The same in Timoshenko's theory."""
 
 LEAST = 8
 """Half-waves that are described at least."""
-
-_STATIC = 40  # degree of the polynomials that correct the compliance of a beam that nothing holds
 
 
 @dataclass(frozen=True)
@@ -67,6 +62,7 @@ def beam_shear_coefficient(poissons_ratio: float) -> float:
 def line_modes(beam: Line, position: float, highest: float, others: Points = ()) -> Modes:
     """The vibrations of a beam struck at `position` [m] up to the frequency `highest` [rad/s]. others: sensors, m, or
     with the order 2 for the curvature, w″ or ψ′."""
+    most_waves = 300  # most half-waves of a beam that is not simply supported: their vibrations take half a second
     places = ((position,), *others)
     simple = beam.ends == ("simply supported", "simply supported")
     if math.isinf(beam.shear):
@@ -76,7 +72,7 @@ def line_modes(beam: Line, position: float, highest: float, others: Points = ())
     check_count(waves)
     if simple:
         return _simple(beam, places, highest, waves)
-    if waves > (most := MOST_WAVES if math.isinf(beam.shear) else MOST_SHEARED):
+    if waves > (most := most_waves if math.isinf(beam.shear) else MOST_SHEARED):
         raise TooManyModes(
             f"the vibrations of this beam need {waves:.0f} half-waves, but at most {most} are allowed: take "
             "simply supported ends"
@@ -228,10 +224,11 @@ def _one_compliance(beam: Line, position: float) -> float:
 
 def _sum(beam: Line, position: float) -> float:
     """Compliance of all vibrations in a space of polynomials."""
+    static = 40  # degree of the polynomials that correct the compliance of a beam that nothing holds
     if not math.isinf(beam.shear):
-        frequency, (share,) = _timoshenko(beam, ((position,),), _STATIC)
+        frequency, (share,) = _timoshenko(beam, ((position,),), static)
     else:
-        shapes = polynomials(beam.ends, _STATIC)
+        shapes = polynomials(beam.ends, static)
         frequency = np.sqrt(beam.bending / beam.mass * shapes.bent) * (2.0 / beam.length) ** 2
         share = shapes.at(2.0 * position / beam.length - 1.0) ** 2 * 2.0 / (beam.mass * beam.length)
     return Modes(frequency, share).compliance

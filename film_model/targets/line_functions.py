@@ -22,15 +22,8 @@ from film_model.targets.modes import Array
 
 SIMPLE = "simply supported", "simply supported"
 
-JOINED = 4
-"""Polynomials that join the shapes of a beam: four cubics and quintics give any curvature and shear at both ends."""
-
-
 BEYOND = 12
 """Degrees of the polynomials beyond twice the number of shapes that are made of them."""
-
-RIGID = 1e-9
-"""∫f″² of a function of unit ∫f² below which it is the rounding of a motion as a rigid body."""
 
 
 @dataclass(frozen=True)
@@ -85,10 +78,12 @@ def line(ends: tuple[str, str], count: int) -> Line:
 
     ends: "clamped", "simply supported" or "free".
     """
+    # Polynomials that join the shapes of a beam: four cubics and quintics give any curvature and shear at both ends
+    joined = 4
     parts = _parts(ends, 2 * count + BEYOND)  # a shape of n half-waves takes polynomials up to degree 2 n
     known = [_shapes(part) for part in parts]
     highest = np.sort(np.concatenate([bent for bent, _ in known]))[count - 1]
-    more = 0 if ends == SIMPLE else JOINED // len(parts)
+    more = 0 if ends == SIMPLE else joined // len(parts)
     rows = [_joined(part, *shapes, highest, more) for part, shapes in zip(parts, known, strict=True)]
     return _line(rows, more * len(parts))
 
@@ -101,12 +96,13 @@ def polynomials(ends: tuple[str, str], degree: int) -> Line:
 
 def _line(rows: list[Array], more: int) -> Line:
     """The line with functions of given coefficients: even and odd ones, or all. more: how many are not shapes."""
+    rigid = 1e-9  # ∫f″² of a function of unit ∫f² below which it is the rounding of a motion as a rigid body
     made = np.concatenate(rows)
     odd = np.repeat([False, True][: len(rows)], [len(part) for part in rows])
     unit = 2.0 / (2.0 * np.arange(made.shape[1]) + 1.0)
     slope, curve = (_derivative(made, n) for n in (1, 2))
     bent = np.sum(curve**2 * unit[:-2], axis=1)
-    bent[bent < RIGID] = 0.0
+    bent[bent < rigid] = 0.0
     sloped, crossed = (slope * unit[:-1]) @ slope.T, (curve * unit[:-2]) @ made[:, :-2].T
     order = np.argsort(bent, kind="stable")
     both = np.ix_(order, order)

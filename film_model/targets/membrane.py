@@ -23,9 +23,6 @@ GRID = 28
 IN_PLANE = 20
 """Polynomials along a side for each displacement in the plane: with 24 that force changes by 5e-5. On a beam `GRID`."""
 
-RIGID = 1e-12
-"""Stiffness of displacements in the plane over that of the basic ones, so that those without strain stay small."""
-
 SMALL = 1e-3
 """Principal parts over the largest that are left out, with modes in proportion to their deflections by a force at rest:
 without them forces at half and three thicknesses change by 2e-5 to 2e-4. Of modes of equal size three times as many
@@ -60,6 +57,8 @@ def membrane_forms(
     size: m. held: whether the ends of each side are held in the plane. stiffness: A of the strains xx, yy and 2 xy,
     N/m; of a beam E times its section, N, of the strain xx alone.
     """
+    # Stiffness of displacements in the plane over that of the basic ones, so that those without strain stay small
+    rigid = 1e-12
     at, weights = legendre.leggauss(GRID)
     grid = np.meshgrid(*((at + 1.0) * side / 2.0 for side in size), indexing="ij")
     points = tuple(map(tuple, np.stack(grid, -1).reshape(-1, len(size)).tolist()))
@@ -71,7 +70,7 @@ def membrane_forms(
     mixed = _work(forces, lines)
     plane = _energy(stiffness, lines, [weights * side / 2.0 for side in size])
     norms = np.sqrt(np.maximum(np.diagonal(plane), np.finfo(float).tiny))
-    plane, mixed = plane / np.outer(norms, norms) + RIGID * np.eye(len(norms)), mixed / norms[:, None]
+    plane, mixed = plane / np.outer(norms, norms) + rigid * np.eye(len(norms)), mixed / norms[:, None]
     own = strains.reshape(len(strains), -1) @ forces.reshape(len(strains), -1).T
     left = own - mixed.T @ np.linalg.solve(plane, mixed)
     i, j = np.triu_indices(len(shapes))

@@ -23,9 +23,6 @@ EQUAL = 1e-13
 UNSEEN = 1e-20
 """Share over the largest, below which the struck point is a node."""
 
-BLURRED = 1e-5
-"""Largest component, over the norm, that is taken for rounding however close two eigenvalues are."""
-
 MOST_MODES = 10_000_000
 """Largest number of modes, limited by memory: 240 MB."""
 
@@ -105,9 +102,10 @@ def without_rounding(components: Array, values: Array, size: Array) -> Array:
     is not larger than this error times the size is rounding, which differs between machines. Measured on modes with a
     node at the struck point by symmetry: at most 0.3 of this bound.
     """
+    blurred = 1e-5  # largest component, over the norm, that is taken for rounding however close two eigenvalues are
     gaps = np.diff(values, axis=-1, prepend=-math.inf, append=math.inf)
     rounding = np.finfo(np.float64).eps * np.abs(values).max(axis=-1, keepdims=True)
-    blur = rounding / np.maximum(np.minimum(gaps[..., 1:], gaps[..., :-1]), rounding / BLURRED)
+    blur = rounding / np.maximum(np.minimum(gaps[..., 1:], gaps[..., :-1]), rounding / blurred)
     return np.where(np.abs(components) > blur * size, components, 0.0)
 
 

@@ -62,9 +62,6 @@ RIGID = 1e-4
 MODAL = 2
 """Kind of analysis of a modal one in results of Ansys (ANTYPE,2)."""
 
-STILL = 1e-10
-"""Deflection over that along another direction, below which a vibration does not move a node: 0 with rounding."""
-
 NEEDS = '{} files need {}: install film-model[{extra}] (pip install "film-model[{extra}]")'
 
 
@@ -137,6 +134,8 @@ def read_vibrations(path: Path, node: int, direction: str, sensors: Sequence[int
     The default unit of mass is that of data set 164, else kg. Raises ImportError without the reader, and ValueError if
     the file has no such vibrations, not all nodes, or none that moves the node.
     """
+    # Deflection over that along another direction, below which a vibration does not move a node: 0 with rounding
+    still = 1e-10
     unit, suffix = ROOTS[told.mass_unit or "kg"], path.suffix.lower()
     if suffix in UNIVERSAL:
         found, unit = _universal(path, told.mass_unit)
@@ -147,8 +146,8 @@ def read_vibrations(path: Path, node: int, direction: str, sensors: Sequence[int
     found.complete(path, told.frequencies, told.modal_masses)
     frequency, masses, moved, damping = found.at(path, [node, *sensors])
     along, largest = DIRECTIONS.index(direction), np.abs(moved[:, 0]).max(axis=0)
-    if largest[along] <= STILL * largest.max():
-        others = [name for name, size in zip(DIRECTIONS, largest, strict=True) if size > STILL * largest.max()]
+    if largest[along] <= still * largest.max():
+        others = [name for name, size in zip(DIRECTIONS, largest, strict=True) if size > still * largest.max()]
         said = f"they move it along {' and '.join(others)}" if others else "nor in another direction: it is held"
         raise ValueError(f"{path}: no vibration moves node {node} along {direction}; {said}")
     if not (masses > 0.0).all():

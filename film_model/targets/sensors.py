@@ -13,8 +13,6 @@ from film_model.base.fields import Field, InUnits, build, entry, fill, items_of,
 from film_model.base.units import Value
 from film_model.targets.modes import Modes, Points
 
-MOST_SENSORS = 100
-
 _PLACE = measure("length", 0, 1e5)
 
 
@@ -106,10 +104,11 @@ def replaced(sensor: Sensor, shape: tuple[float, ...], strain: tuple[float, ...]
 
 
 def _read_sensors(value: object) -> tuple[Sensor, ...]:
+    most_sensors = 100
     if isinstance(value, str) or not isinstance(value, Sequence):
         raise ValueError(f"{shown(value)} is not allowed: {SENSORS.need}")
-    if not 1 <= len(items := cast("Sequence[Any]", value)) <= MOST_SENSORS:
-        raise ValueError(f"there are {len(items)} sensors: 1 to {MOST_SENSORS} are allowed")
+    if not 1 <= len(items := cast("Sequence[Any]", value)) <= most_sensors:
+        raise ValueError(f"there are {len(items)} sensors: 1 to {most_sensors} are allowed")
     found = tuple(item if isinstance(item, Sensor) else build(Sensor, item) for item in items)
     names = [sensor.name for sensor in found]
     for name in names:

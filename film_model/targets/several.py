@@ -24,9 +24,6 @@ OFF_NODES = (math.sqrt(5.0) - 1.0) / 2.0, math.sqrt(2.0) - 1.0
 """A point over the sides of a plate that is on no node line of sines: of all fractions these are the farthest from
 rational ones. From it all vibrations are seen."""
 
-UNSEEN = 1e-12
-"""Deflection over the largest, below which a vibration has nodes at all contacts and is left out."""
-
 
 class Seen(NamedTuple):
     """Vibrations of a structure, by ascending frequency: ω, rad/s, ζ, and the shapes φ/√M, 1/√kg, (rows, modes): of the
@@ -39,6 +36,7 @@ class Seen(NamedTuple):
 
 def seen(target: AbstractTarget, points: Sequence[str], highest: float) -> Seen:
     """The vibrations up to the frequency `highest`, rad/s. points: names of sensors, or `STRUCK`."""
+    unseen = 1e-12  # deflection over the largest, below which a vibration has nodes at all contacts and is left out
     names = [sensor.name for sensor in target.sensors or ()]
     if isinstance(target, Structure):
         modes = target.modes(highest)
@@ -52,7 +50,7 @@ def seen(target: AbstractTarget, points: Sequence[str], highest: float) -> Seen:
     rows = [own if point == STRUCK else factor[names.index(point)] for point in points]
     strains = modes.strain / root if modes.strain.size else np.zeros((0, root.size))
     reach = np.abs(rows).max(axis=0)
-    kept = reach > UNSEEN * reach.max(initial=0.0)
+    kept = reach > unseen * reach.max(initial=0.0)
     shapes = np.vstack([*rows, factor, strains])[:, kept]
     return Seen(modes.frequency[kept], modes.damping_ratio[kept], shapes)
 

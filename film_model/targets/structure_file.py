@@ -20,9 +20,6 @@ MOST_BYTES = 50_000_000
 MOST_LISTED = 100_000
 """Most vibrations of a file, which are kept in the scene."""
 
-MOST_NAMED = 12
-"""Most variables that a sentence lists."""
-
 COLUMNS = ("frequency", "modal_mass", "shape", "mass_normalised_shape", "damping_ratio")
 EXAMPLE = '"frequency [Hz], modal_mass [kg], shape" or "frequency [Hz], mass_normalised_shape [1/sqrt(kg)]"'
 NEED = f"a heading such as {EXAMPLE} is needed"
@@ -184,6 +181,7 @@ def _value(place: str, name: str, cell: str, unit: str) -> float:
 
 def _netcdf(path: str, shapes: tuple[str, ...]) -> tuple[list[str], dict[str, list[float]], float | None]:
     """Where each vibration is, the variables in SI units, and the static compliance if the file has it."""
+    most_named = 12  # most variables that a sentence lists
     import netCDF4
 
     try:
@@ -196,7 +194,7 @@ def _netcdf(path: str, shapes: tuple[str, ...]) -> tuple[list[str], dict[str, li
                 name: _variable(path, file, name) for name in (*COLUMNS, *shapes) if name in file.variables
             }
             names = [shown(name) for name in file.variables]
-            has = ", ".join([*names[:MOST_NAMED], *["..."] * (len(names) > MOST_NAMED)]) or "none"
+            has = ", ".join([*names[:most_named], *["..."] * (len(names) > most_named)]) or "none"
             need = f"frequency, and modal_mass and shape or mass_normalised_shape, are needed; the file has {has}"
             static = None
             if "static_compliance" in file.variables:

@@ -35,12 +35,6 @@ DEGREES = 1.6, 8
 """Degree of the polynomials for each half-wave, and beyond: errors of frequencies are then below 1e-6, with corners
 clamped-free 1e-5."""
 
-MOST_FUNCTIONS = 1500
-"""Largest number of products that interact: their vibrations take a second."""
-
-STATIC_DEGREE, LOWER_DEGREE = 22, 18
-"""Degree of the polynomials of the static deflection by shear, and of those that give a bound on the rest."""
-
 
 def shear_of(bending: Number, thickness: Number, ratio: Number) -> Shear:
     """h, 1/S and f, with κ = 5/(6 − ν): S = 6 (1 − ν) κ D/h²."""
@@ -89,9 +83,10 @@ class ThickPanel:
     @property
     def missing(self) -> str:
         """Why its motion is not known; empty if it is."""
+        most_functions = 1500  # largest number of products that interact: their vibrations take a second
         sides = enumerate(self.degrees(self.highest))
         largest = 3 * math.prod((n + 2) // 2 if symmetric(self.thin, k) else n + 1 for k, n in sides)
-        return "the plate is so thin that it has too many vibrations for it" if largest > MOST_FUNCTIONS else ""
+        return "the plate is so thin that it has too many vibrations for it" if largest > most_functions else ""
 
 
 def thick_modes(plate: ThickPanel, position: Point, highest: float, others: Points = ()) -> Modes:
@@ -261,13 +256,15 @@ def thick_compliance(plate: ThickPanel, position: Point) -> tuple[float, float]:
     The part of shear differs from that of simply supported edges, `shear_compliance`, by what Ritz's method gives for
     both, because their polynomials lack the same around the force.
     """
+    # Degree of the polynomials of the static deflection by shear, and of those that give a bound on the rest
+    static_degree, lower_degree = 22, 18
     thin = plate.thin
     bent, error = compliance_and_error(thin, position)
     simple = Panel(thin.mass_per_area, thin.stiffness, thin.size, SIMPLE + SIMPLE)
     sheared = shear_compliance(thin.stiffness, thin.size, position, plate.shear)
     lower, last = (
         _shear_of(plate, position, degree) - _shear_of(replace(plate, thin=simple), position, degree)
-        for degree in (LOWER_DEGREE, STATIC_DEGREE)
+        for degree in (lower_degree, static_degree)
     )
     return bent + sheared + last, error + REMAINDER * abs(last - lower)
 

@@ -14,8 +14,6 @@ from film_model.base.errors import Mistake, SceneError, did_you_mean, raise_all,
 from film_model.base.units import to_si
 from film_model.solve.sensed import MOTION
 
-FEWEST_TIMES, MOST_TIMES = 20, 20_000
-
 
 class Motions(NamedTuple):
     """Motions of sensors at even times. begin, dt: s. names: of the sensors. quantities: "acceleration" and so on.
@@ -34,6 +32,7 @@ def sensor_motions(
     """Measured motions from a file as `from_csv` takes it: `time [us], corner [m/s^2], wall [g]`, with the sensors'
     names. The unit says whether it is a displacement, a velocity or an acceleration; `g` is 9.80665 m/s². columns: as
     of `from_csv`. Raises SceneError."""
+    fewest_times, most_times = 20, 20_000
     file, _, head, headings, body = csv_rows(path, columns)
     found, mistakes = dict[str, tuple[str, str]](), list[Mistake]()
     for heading in headings:
@@ -55,8 +54,8 @@ def sensor_motions(
     raise_all(mistakes)
     units = {key: ("time" if key == "t" else MOTION[kind][0], unit) for key, (kind, unit) in found.items()}
     values = numbers(file, body, list(found), units)
-    if not FEWEST_TIMES <= len(body) <= MOST_TIMES:
-        what = f"{len(body)} times: {FEWEST_TIMES} to {MOST_TIMES} are allowed; keep those from before contact on"
+    if not fewest_times <= len(body) <= most_times:
+        what = f"{len(body)} times: {fewest_times} to {most_times} are allowed; keep those from before contact on"
         raise SceneError([Mistake(file, None, "", what)])
     times = values.pop("t")
     dt = float(times[-1] - times[0]) / (times.size - 1)

@@ -17,9 +17,6 @@ from film_model.base.units import to_si
 SMALLEST_PROBABILITY = 2.0**-53
 """Smaller probabilities are raised to it, so that every drawn value is finite: it is 8.1 standard deviations."""
 
-MOST_OBSERVED = 10_000
-"""Values of an empirical distribution: all are stored in sweep_toml."""
-
 
 @dataclass(frozen=True)
 class Distribution:
@@ -114,8 +111,9 @@ def read_distribution(kind: str, given: Any, field: Field) -> tuple[float, ...]:
 
 
 def _observed(given: Any, field: Field) -> tuple[float, ...]:
-    if not isinstance(given, list | tuple) or not 2 <= len(given) <= MOST_OBSERVED:
-        raise ValueError(f"{EMPIRICAL} needs a list of 2 to {MOST_OBSERVED} observed values")
+    most_observed = 10_000  # values of an empirical distribution: all are stored in sweep_toml
+    if not isinstance(given, list | tuple) or not 2 <= len(given) <= most_observed:
+        raise ValueError(f"{EMPIRICAL} needs a list of 2 to {most_observed} observed values")
     return tuple(sorted(field.read(value) for value in given))
 
 

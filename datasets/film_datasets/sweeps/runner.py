@@ -31,9 +31,6 @@ from film_model.base.foreign import Dataset
 from film_model.scene import Scene
 from film_model.version import __version__
 
-MOST_IN_MEMORY = 4_000_000_000
-"""Bytes of a sweep without an output file."""
-
 
 def sweep(
     scene: Scene | str | os.PathLike[str],
@@ -143,9 +140,10 @@ def run_sweep(
 
 def _in_memory(run: Run, workers: int | None, scheduler: Any) -> Dataset:
     """The dataset of a sweep without an output."""
-    if (need := run.sweep.size * run.blocks.size.each) > MOST_IN_MEMORY:
+    most_in_memory = 4_000_000_000  # bytes of a sweep without an output file
+    if (need := run.sweep.size * run.blocks.size.each) > most_in_memory:
         raise MemoryError(
-            f"{run.sweep.size} impacts take about {bytes_text(need)}, at most {bytes_text(MOST_IN_MEMORY)} go into "
+            f"{run.sweep.size} impacts take about {bytes_text(need)}, at most {bytes_text(most_in_memory)} go into "
             "memory: give an output, FILE.nc or FILE.zarr"
         )
     writer = MemoryWriter()

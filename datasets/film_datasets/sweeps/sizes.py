@@ -17,9 +17,6 @@ from film_model.base.errors import SimulationError
 from film_model.core.native import LINE_DTYPE
 from film_model.solve.history import MOTION
 
-TYPICAL_SEGMENTS = 32
-"""Segments of an impact at the default accuracy, about."""
-
 
 @dataclass(frozen=True)
 class Size:
@@ -40,12 +37,13 @@ class Size:
 
 def size_of(sweep: Sweep) -> Size:
     """The bytes of a sweep's impacts: on targets that may vibrate from a sample of them."""
+    typical_segments = 32  # segments of an impact at the default accuracy, about
     own = sum(v.dtype.itemsize for v in sweep.variables if v.dims == sweep.dims)
     if "steps" in sweep.kept:
         return _of_sample(sweep, own)
-    bytes_of = {"segments": TYPICAL_SEGMENTS * LINE_DTYPE.itemsize, "samples": 8 * len(MOTION) * sweep.dense}
+    bytes_of = {"segments": typical_segments * LINE_DTYPE.itemsize, "samples": 8 * len(MOTION) * sweep.dense}
     history = bytes_of.get(sweep.keep, 0)
-    return Size(own + history, history, {"segment": TYPICAL_SEGMENTS} if sweep.keep == "segments" else {})
+    return Size(own + history, history, {"segment": typical_segments} if sweep.keep == "segments" else {})
 
 
 def _of_sample(sweep: Sweep, own: int) -> Size:

@@ -31,8 +31,6 @@ SHOWN = ("maximum_force", "maximum_indentation", "contact_duration", "coefficien
 SAMPLES, CONFIDENCE = 1024, 0.95
 """Points of the sample, and level of the intervals, unless given."""
 
-LEAST = 8  # points
-
 STEP = 0.1
 """Step of the derivatives of results along the surface, in standard deviations: above the errors of these results."""
 
@@ -187,9 +185,10 @@ def tolerance(
 
 def tolerance_of(sweep: Sweep, quantities: Sequence[str] = SHOWN, confidence: float = CONFIDENCE) -> Tolerance:
     """As :func:`tolerance`, for the scatter of a sampled sweep, with its design and number of points."""
+    least = 8  # points
     check_quantities(quantities)
-    if sweep.samples < LEAST:
-        raise ValueError(f"samples: {sweep.samples} must be >= {LEAST}")
+    if sweep.samples < least:
+        raise ValueError(f"samples: {sweep.samples} must be >= {least}")
     axes, warnings = scattering(sweep), list[str]()
     if sweep.correlation and len(axes) > shapley.MOST_NUMBERS:
         most = f"{len(axes)} correlated numbers, at most {shapley.MOST_NUMBERS} can be"

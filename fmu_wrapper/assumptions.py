@@ -91,18 +91,15 @@ def served(scene: Scene, kind: Kind = "impact") -> Scene:
         elif law.steep:
             scene = scene.replace({"contact.law": law.name})
     gravity, motion = effects.gravity, effects.target_motion
-    waves = effects.wave_losses is True or (effects.wave_losses == "auto" and _radiates(given))
+    waves = effects.wave_losses is True
+    if effects.wave_losses == "auto" and not given.target.gives_way:
+        waves = choose(given).problem.given.impedance < math.inf
     if kind == "contact":
         gravity = motion = waves = False
     else:
         gravity = True if gravity == "auto" else gravity
         motion = True if motion == "auto" and scene.target.gives_way and not edged(scene) else motion
     return replace(scene, effects=effects.changed(gravity=gravity, target_motion=motion, wave_losses=waves))
-
-
-def _radiates(scene: Scene) -> bool:
-    """Whether waves in a half-space are simulated."""
-    return not scene.target.gives_way and choose(scene).problem.given.impedance < math.inf
 
 
 def segments_for_speeds(scene: Scene, problem: Problem, counts: tuple[int, int]) -> tuple[int, int]:

@@ -7,15 +7,7 @@ from collections.abc import Callable
 from typing import Any
 
 from film_model.base.arrays import any_of, either, unwarned
-from film_model.effects.effect import (
-    FREE,
-    NOT_NEEDED,
-    PUSHED,
-    SIMULATED,
-    Effect,
-    off_state,
-    percent,
-)
+from film_model.effects.effect import FREE, NOT_NEEDED, PUSHED, SIMULATED, Effect, off_state, percent
 from film_model.effects.judged import agreeing
 from film_model.effects.trial import beyond, change, few, matters
 from film_model.problem.problem import Problem

@@ -13,15 +13,7 @@ from typing import NamedTuple
 from film_model.effects import large_slope, oblique_limits
 from film_model.effects import material_rules as materials
 from film_model.effects.case import Case, case_of
-from film_model.effects.effect import (
-    ABSENT,
-    FREE,
-    NOT_JUDGED,
-    NOT_MODELLED,
-    NOT_NEEDED,
-    SIMULATED,
-    Effect,
-)
+from film_model.effects.effect import ABSENT, FREE, NOT_JUDGED, NOT_MODELLED, NOT_NEEDED, SIMULATED, Effect
 from film_model.effects.surroundings import air_drag, roughness, squeeze_film
 from film_model.problem.problem import Problem
 from film_model.targets import Estimate

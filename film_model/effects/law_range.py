@@ -17,7 +17,8 @@ def law_warnings(problem: Problem, depth: Any = None) -> list[str]:
     for rise in problem.curve.rises:
         inside = (reached > rise.shallow) & (reached < rise.deep)
         if any_of(inside):
-            speed = float(_first(inside, problem.scales.velocity))
+            speed = problem.scales.velocity
+            speed = float(speed[inside][0]) if isinstance(inside, np.ndarray) else speed
             slow, fast = rise.slow * speed, rise.fast * speed
             said.append(
                 f"law {name}: its restitution rises with velocity{_share(inside)}: from {rise.low:.3f} at "
@@ -27,11 +28,6 @@ def law_warnings(problem: Problem, depth: Any = None) -> list[str]:
     if outside:
         said.append(f"law {name}: outside its range: {outside}")
     return said
-
-
-def _first(inside: Any, values: Any) -> Any:
-    """The value of the first impact that is inside."""
-    return values[inside][0] if isinstance(inside, np.ndarray) else values
 
 
 def _share(inside: Any) -> str:

@@ -166,9 +166,6 @@ def _gathered(members: list[tuple[int, Problem]], scene: Scene, columns: Mapping
     index, problems = np.array([row for row, _ in members]), [problem for _, problem in members]
     first = problems[0]
 
-    def column(name: str) -> Any:
-        return np.array([getattr(problem, name) for problem in problems])
-
     names = ("gamma", "load", "damping", "approach", "drift", "share", "mass")
     return replace(
         first,
@@ -176,7 +173,7 @@ def _gathered(members: list[tuple[int, Problem]], scene: Scene, columns: Mapping
         scales=type(first.scales)(*map(np.array, zip(*(problem.scales for problem in problems), strict=True))),
         given=Given(*map(np.array, zip(*(problem.given for problem in problems), strict=True))),
         loaded=any(problem.loaded for problem in problems),
-        **{name: column(name) for name in names},
+        **{name: np.array([getattr(problem, name) for problem in problems]) for name in names},
     )
 
 

@@ -8,16 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from film_model.base.arrays import any_of, endless
-from film_model.effects.effect import (
-    DAMPED,
-    FREE,
-    NOT_NEEDED,
-    ON_MODES,
-    SIMULATED,
-    SPRUNG,
-    Effect,
-    off_state,
-)
+from film_model.effects.effect import DAMPED, FREE, NOT_NEEDED, ON_MODES, SIMULATED, SPRUNG, Effect, off_state
 from film_model.effects.judged import agreeing
 from film_model.effects.trial import change, matters
 from film_model.problem.curve import can_be_in_series

@@ -293,7 +293,8 @@ class _Core:
 def _tried(recording: Recording, owner: str, core: str, template: Scene) -> Problem:
     """A problem with the result of its trial, which the object `core` has, with a `status`."""
     problem = problem_in(recording, owner, template)
-    problem.__dict__["trial"] = Trial.of(recording.symbol(f"{core}.status"), _Core(recording, core))
+    status = recording.symbol(f"{core}.status")
+    problem.__dict__["trial"] = Trial(status, _Core(recording, core), status == native.EVENT)
     return problem
 
 

@@ -11,15 +11,10 @@ from typing import Any, ClassVar, NamedTuple
 import numpy as np
 
 from film_model.base.arrays import all_of, any_of, exponential, greater, lesser, logarithm
+from film_model.base.flow_stress import MOST_HARDENING
 from film_model.laws.law import AbstractLaw, Family, Power, Stage, Unloading
 from film_model.laws.yielding import LEAST_YIELD_STRAIN, MOST_YIELD_STRAIN, limit_point
 
-FITTED_RADIUS = 0.4  # a/R
-FITTED_STRAIN = 0.019  # S_y/E
-FITTED_EXPONENT = 0.4  # n
-FITTED_DEPTH = 1810.0  # w
-MOST_EXPONENT = 0.6  # n
-FITTED_SHARE = 0.66  # h
 MOST_SHARE = 0.8  # h
 COMPARED_STRAIN = 0.005
 RATIO = 0.3  # Poisson's ratio whose C enters the shape
@@ -261,7 +256,7 @@ class Elastoplastic(AbstractLaw):
     )
     shaped_by: ClassVar[tuple[str, ...]] = ("effective_modulus", "yield_strength", "poissons_ratio")
     shaped_beside: ClassVar[Mapping[str, tuple[float, float]]] = {
-        "strain_hardening_exponent": (0.0, MOST_EXPONENT),
+        "strain_hardening_exponent": (0.0, MOST_HARDENING),
         "elastic_share": (0.0, MOST_SHARE),
         "softer_curvature": (0.0, 1.0),
     }
@@ -277,15 +272,15 @@ class Elastoplastic(AbstractLaw):
     def __post_init__(self) -> None:
         strain, n = self.yield_strength / self.effective_modulus, self.strain_hardening_exponent
         share, curvature = self.elastic_share, self.softer_curvature
-        known = (strain >= LEAST_YIELD_STRAIN) & (strain < MOST_YIELD_STRAIN) & (n >= 0.0) & (n <= MOST_EXPONENT)
+        known = (strain >= LEAST_YIELD_STRAIN) & (strain < MOST_YIELD_STRAIN) & (n >= 0.0) & (n <= MOST_HARDENING)
         if all_of(known & (share >= 0.0) & (share <= MOST_SHARE) & (curvature >= 0.0) & (curvature <= 1.0)):
             return
         if not all_of(strain < MOST_YIELD_STRAIN):
             raise ValueError(f"law elastoplastic: S_y/E is {np.max(strain):.3g}; it must be below {MOST_YIELD_STRAIN}")
         if not all_of(strain >= LEAST_YIELD_STRAIN):
             raise ValueError(f"law elastoplastic: S_y/E is {np.min(strain):.3g}; least is {LEAST_YIELD_STRAIN:g}")
-        if not all_of((n >= 0.0) & (n <= MOST_EXPONENT)):
-            raise ValueError(f"law elastoplastic: the strain hardening exponent must be from 0 to {MOST_EXPONENT}")
+        if not all_of((n >= 0.0) & (n <= MOST_HARDENING)):
+            raise ValueError(f"law elastoplastic: the strain hardening exponent must be from 0 to {MOST_HARDENING}")
         if not all_of((share >= 0.0) & (share <= MOST_SHARE)):
             raise ValueError(f"law elastoplastic: the elastic share must be from 0 to {MOST_SHARE}")
         raise ValueError("law elastoplastic: the softer body's part of the curvature must be from 0 to 1")
@@ -307,22 +302,15 @@ class Elastoplastic(AbstractLaw):
     def outside(self, depth: float) -> str:
         if not depth > 1.0:
             return ""
-        strain, said = self.yield_strength / self.effective_modulus, list[str]()
-        if strain > FITTED_STRAIN:
-            said.append(f"S_y/E is {strain:.3g}, computed was up to {FITTED_STRAIN}")
-        if self.strain_hardening_exponent > FITTED_EXPONENT:
-            said.append(f"n is {self.strain_hardening_exponent:.3g}, computed was up to {FITTED_EXPONENT}")
-        if self.elastic_share > FITTED_SHARE:
-            said.append(
-                f"the harder body has {self.elastic_share:.3g} of the compliance or more, computed was up to "
-                f"{FITTED_SHARE}"
-            )
-        if depth > FITTED_DEPTH:
-            said.append(f"the indentation is {depth:.3g} of that at first yield, computed was up to {FITTED_DEPTH:.4g}")
         plastic = self._plastic
-        radius = plastic.first_radius * plastic.contact_radius(depth)
-        if radius > FITTED_RADIUS:
-            said.append(f"the contact radius is {radius:.3g} of the ball's, computed was up to {FITTED_RADIUS}")
+        computed = (
+            ("S_y/E is {:.3g}", self.yield_strength / self.effective_modulus, "0.019"),
+            ("n is {:.3g}", self.strain_hardening_exponent, "0.4"),
+            ("the harder body has {:.3g} of the compliance or more", self.elastic_share, "0.66"),
+            ("the indentation is {:.3g} of that at first yield", depth, "1810"),
+            ("the contact radius is {:.3g} of the ball's", plastic.first_radius * plastic.contact_radius(depth), "0.4"),
+        )
+        said = [f"{what.format(x)}, computed was up to {most}" for what, x, most in computed if x > float(most)]
         return " and ".join(said)
 
     def scales(self, energy: float) -> tuple[float, float]:

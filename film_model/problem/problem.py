@@ -41,11 +41,6 @@ class Trial(NamedTuple):
     summary: Any
     ends: Any
 
-    @classmethod
-    def of(cls, status: Any, summary: Any) -> Trial:
-        """From what the core returns."""
-        return cls(status, summary, status == native.EVENT)
-
 
 class Given(NamedTuple):
     """What an impact is under. impedance: of the target, N s/m; infinite if it does not move by it. load: N.
@@ -285,7 +280,7 @@ class Problem:
             self,
             impacts=self.impacts.part(places),
             scales=self.scales.part(places),
-            given=Given(*(_at(values, places) for values in self.given)),
+            given=Given(*(part[places] if isinstance(part, np.ndarray) else part for part in self.given)),
             loaded=any_of(self.load[places] > 0.0),
             own=self.own.part(places),
             **{name: getattr(self, name)[places] for name in numbers},
@@ -347,9 +342,12 @@ class Problem:
     def trial(self) -> Trial:
         """The impact on a coarse mesh, used to decide effects; one by the way of a batch, so that both decide alike."""
         if self.relaxation is not None:
-            return Trial.of(*self.relax(TRIAL_TOLERANCE))
-        curve, mesh = self.curve.native, self.curve.trial_mesh
-        return Trial.of(*(self.march(mesh) if self.impacts.many else native.impact(curve, mesh, self.start)))
+            status, summary = self.relax(TRIAL_TOLERANCE)
+        elif self.impacts.many:
+            status, summary = self.march(self.curve.trial_mesh)
+        else:
+            status, summary = native.impact(self.curve.native, self.curve.trial_mesh, self.start)
+        return Trial(status, summary, status == native.EVENT)
 
     @property
     def stop_velocity(self) -> Any:
@@ -361,7 +359,9 @@ class Problem:
         """Time after which a contact under a load, or of a law that pulls, is no longer followed."""
         if not (self.loaded or self.curve.pulls):
             return math.inf
-        return either((self.load > 0.0) | self.curve.pulls, contact_limit(self.approach, self.gamma), math.inf)
+        # a hundred elastic contact times of about 3 ν^{-1/5}, and times m/Z
+        long = 100.0 * (3.0 * greater(self.approach, 1e-3) ** -0.2 + self.gamma)
+        return either((self.load > 0.0) | self.curve.pulls, long, math.inf)
 
     @cached_property
     def impact_energy(self) -> Any:
@@ -376,15 +376,6 @@ class Problem:
     def motion(self, t: Any, values: Any) -> dict[str, Any]:
         """As :func:`motion_of`."""
         return motion_of(self.scales, self.drift, self.share, self.free, t, values)
-
-
-def _at(value: Any, places: Any) -> Any:
-    return value[places] if isinstance(value, np.ndarray) else value
-
-
-def contact_limit(approach: Any, gamma: Any) -> Any:
-    """Time after which a contact under a load is no longer followed; an elastic contact takes about 3 ν^{-1/5}."""
-    return 100.0 * (3.0 * greater(approach, 1e-3) ** -0.2 + gamma)  # a hundred elastic contact times, and times m/Z
 
 
 def refuse_relaxation(problem: Problem, what: str) -> None:

@@ -27,12 +27,14 @@ _, (A21, *_), (A31, A32, *_), (A41, A42, A43, *_), (A51, A52, A53, A54, _), (A61
 B1, _, B3, B4, B5, B6 = RK45.B.tolist()
 E1, _, E3, E4, E5, E6, E7 = RK45.E.tolist()
 # Hairer, Nørsett & Wanner, Solving ODEs I, the dense output of DOPRI5
-D1, D3, D4 = -12715105075 / 11282082432, 87487479700 / 32700410799, -10690763975 / 1880347072
-D5, D6, D7 = 701980252875 / 199316789632, -1453857185 / 822651844, 69997945 / 29380423
+D = (
+    *(-12715105075 / 11282082432, 0.0, 87487479700 / 32700410799, -10690763975 / 1880347072),
+    *(701980252875 / 199316789632, -1453857185 / 822651844, 69997945 / 29380423),
+)
 
 EXPONENT, SAFETY = 0.2 - 0.75 * 0.04, 0.9  # PI control as in DOPRI5
 LOWEST_ERROR = math.log(1e-4)
-GROWS, TURNS, OPENS, STOPS = 0, 1, 2, 3  # events: ξ reaches the end of a stage; ν − γf = 0; ξ = ξ_f; ν = 0
+GROWS, TURNS, OPENS, STOPS = range(4)  # events: ξ reaches the end of a stage; ν − γf = 0; ξ = ξ_f; ν = 0
 
 
 @dataclass(frozen=True)
@@ -188,8 +190,8 @@ def _step(rates, root):
         ex = h * (E1 * p1 + E3 * p3 + E4 * p4 + E5 * p5 + E6 * p6 + E7 * p7)
         ev = h * (E1 * q1 + E3 * q3 + E4 * q4 + E5 * q5 + E6 * q6 + E7 * q7)
         et = h * (E1 * r1 + E3 * r3 + E4 * r4 + E5 * r5 + E6 * r6 + E7 * r7) if root else 0.0
-        dx = h * (D1 * p1 + D3 * p3 + D4 * p4 + D5 * p5 + D6 * p6 + D7 * p7)
-        dv = h * (D1 * q1 + D3 * q3 + D4 * q4 + D5 * q5 + D6 * q6 + D7 * q7)
+        dx = h * (D[0] * p1 + D[2] * p3 + D[3] * p4 + D[4] * p5 + D[5] * p6 + D[6] * p7)
+        dv = h * (D[0] * q1 + D[2] * q3 + D[3] * q4 + D[4] * q5 + D[5] * q6 + D[6] * q7)
         return x1, v1, t1, p7, q7, r7, ex, ev, et, dx, dv
 
     return step

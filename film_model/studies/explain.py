@@ -7,15 +7,7 @@ from typing import Any
 from film_model.base.errors import SceneError, SimulationError, not_compared
 from film_model.base.units import format_si, si_unit
 from film_model.effects.choose import choose
-from film_model.effects.effect import (
-    NOT_JUDGED,
-    NOT_MODELLED,
-    NOT_NEEDED,
-    SIMULATED,
-    SWITCHED_OFF,
-    Effect,
-    percent,
-)
+from film_model.effects.effect import NOT_JUDGED, NOT_MODELLED, NOT_NEEDED, SIMULATED, SWITCHED_OFF, Effect, percent
 from film_model.laws import LAWS
 from film_model.scene import Contact, Scene
 from film_model.solve.history import SUMMARY

@@ -27,11 +27,6 @@ def pressure_velocity(material: Material) -> float:
     return material.shear_velocity * math.sqrt((2.0 - 2.0 * ratio) / (1.0 - 2.0 * ratio))
 
 
-def bending_time(material: Material, thickness: float) -> float:
-    """Contact time from which bending waves describe the motion of a plate of a thickness [m], s."""
-    return 10.0 * thickness / material.shear_velocity
-
-
 def crossing_time(material: Material, thickness: float) -> float:
     """Time in which a longitudinal wave crosses a plate of a thickness [m] and returns, s."""
     return 2.0 * thickness / pressure_velocity(material)
@@ -54,7 +49,7 @@ def sheet_losses(impact: Impact, material: Material | None, thickness: float | N
     """The energy that a plate radiates beside its bending waves."""
     if thickness is None or material is None:
         return Estimate("the thickness or the waves of a plate of layers, or of given stiffness, are not known")
-    if impact.duration >= bending_time(material, thickness):
+    if impact.duration >= 10.0 * thickness / material.shear_velocity:
         return no_effect("the contact is slow enough for bending waves, which are part of the target's motion")
     carried = 1.0 - impact.restitution**2 - impact.fraction if impact.by_impedance else 0.0
     radiated = radiation(material) * HERTZ_PULSE * impact.force**2 / impact.duration / impact.energy

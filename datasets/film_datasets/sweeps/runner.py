@@ -11,13 +11,7 @@ from typing import Any
 from film_datasets.files import SUFFIX, ZARR, check_file, check_place, open_dataset, put_in_place, temporary_path, write
 from film_datasets.schema import SWEEP, VERSIONS, ContentHash
 from film_datasets.sweeps.attributes import Totals, global_attributes
-from film_datasets.sweeps.block_writers import (
-    FILE_BLOCKS,
-    MemoryWriter,
-    NetCDFWriter,
-    Writer,
-    ZarrWriter,
-)
+from film_datasets.sweeps.block_writers import FILE_BLOCKS, MemoryWriter, NetCDFWriter, Writer, ZarrWriter
 from film_datasets.sweeps.blocks import Blocks
 from film_datasets.sweeps.checkpoint import Checkpoint, Written
 from film_datasets.sweeps.computed_blocks import Run, computed_blocks

@@ -227,15 +227,15 @@ def _other_waves(problem: Problem, own: Problem) -> frozenset[str]:
     """Waves in a half-space, where the impedance that an FMU keeps changes a result by more than the tolerance."""
     if problem.scene.effects.wave_losses is not True or problem.scene.target.gives_way:
         return frozenset()
-    off = change(problem, problem.again(impedance=own.impedance))
+    off = change(problem, problem.again(impedance=own.given.impedance))
     return frozenset() if off <= problem.scene.effect_tolerance else frozenset({"wave losses"})
 
 
 def _other_support(problem: Problem, own: Problem) -> frozenset[str]:
     """What an FMU on an infinite plate, or on a static stiffness, leaves out where the target moves otherwise."""
-    if own.vibrates or (problem.vibrates, problem.given.compliance > 0.0) == (False, own.compliance > 0.0):
+    if own.vibrates or (problem.vibrates, problem.given.compliance > 0.0) == (False, own.given.compliance > 0.0):
         return frozenset()
-    return frozenset({"vibrations of the target" if own.compliance > 0.0 else "boundary reflections"})
+    return frozenset({"vibrations of the target" if own.given.compliance > 0.0 else "boundary reflections"})
 
 
 def _failing(choice: Choice, highest: float | None) -> frozenset[str]:
@@ -255,7 +255,7 @@ def _failing(choice: Choice, highest: float | None) -> frozenset[str]:
 def _needs_more(choice: Choice, highest: float) -> bool:
     """Whether vibrations above `highest` change the maximum force or indentation by more than the scene's tolerance."""
     scene, target = choice.scene, choice.scene.target
-    problem = choice.problem.again(impedance=math.inf, compliance=0.0, vibrates=True)
+    problem = choice.problem.impacts.problem(math.inf, choice.problem.given.load, vibrates=True)
     tolerance = vibration.tightened(scene.solver.accuracy or DEFAULT_ACCURACY, vibration.STEP)
     limit = vibration.time_limit(problem, target)
     half, whole = (

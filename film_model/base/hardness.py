@@ -19,8 +19,6 @@ from film_model.base.units import to_si
 VICKERS = 9.80665e6 / 0.927
 """Mean pressure over the projected area of 1 HV, Pa."""
 
-LEAST_ROCKWELL, MOST_ROCKWELL = 20.0, 68.0
-
 _ROCKWELL_C = (
     *(20.0, 22.2, 24.0, 25.6, 27.1, 28.5, 29.8, 31.0, 32.2, 33.3, 34.4, 35.5, 36.6, 37.7, 38.8, 39.8, 40.8, 41.8),
     *(42.7, 43.6, 44.5, 45.3, 46.1, 46.9, 47.7, 48.4, 49.1, 49.8, 50.5, 51.1, 51.7, 52.3, 53.0, 53.6, 54.1, 54.7),
@@ -33,7 +31,7 @@ _VICKERS = (238, *range(250, 300, 10), *range(300, 700, 10), *range(700, 941, 20
 _NEEDED = 'a hardness is needed (e.g. "600 HV", "200 HB", "60 HRC", or a pressure such as "6 GPa")'
 _NUMBER = re.compile(r"\s*([+-]?[0-9.]+(?:[eE][+-]?[0-9]+)?)\s*(H[A-Za-z]*)\s*(?:[0-9./]*)\s*")
 _RANGE = measure("pressure", 1e6, 1e12)
-_SCALES = {"HV": (1.0, 1e4), "HB": (1.0, 700.0), "HRC": (LEAST_ROCKWELL, MOST_ROCKWELL)}
+_SCALES = {"HV": (1.0, 1e4), "HB": (1.0, 700.0), "HRC": (20.0, 68.0)}
 
 
 def vickers_of_rockwell(rockwell: float) -> float:

@@ -23,7 +23,6 @@ MOST_MEMORY = 256 * 2**20
 """Limit of a record, bytes: that of an impact within the limit of work on few modes."""
 
 _ROOM, _MOST_ROOM = 512, 1 << 16  # segments that a record has room for at first and at most before it is extended
-_STAYS = 1 << 20  # bytes that are not copied out of their room
 
 
 @MODAL.structure("film_structure")
@@ -216,7 +215,8 @@ def _impact(tables: Tables, curve: Curve, start: Start, expected: int) -> Impact
 
 def _joined(parts: tuple[NDArray[Any], ...]) -> NDArray[Any]:
     """The parts as one array. A large one that is alone stays where it is: memory that is not filled costs nothing."""
-    alone = parts[0].nbytes > _STAYS and not any(len(part) for part in parts[1:])
+    large = 1 << 20  # bytes that are not copied out of their room
+    alone = parts[0].nbytes > large and not any(len(part) for part in parts[1:])
     return parts[0] if alone else np.concatenate(parts)
 
 

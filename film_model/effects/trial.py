@@ -30,8 +30,8 @@ def change(full: Problem, without: Problem) -> Any:
     """
     p, q = full.scales, without.scales
     units = q.length / p.length, q.force / p.force, q.time / p.time, q.velocity / p.velocity
-    tried = ((each.trial.status, each.start, each.trial.summary) for each in (full, without))
-    return solving.change(*tried, units)
+    one, other = ((each.trial.status, each.start, each.trial.summary) for each in (full, without))
+    return solving.change(one, other, units)
 
 
 def few(problem: Problem) -> bool:

@@ -371,7 +371,7 @@ def plate_functions(template: Scene, paths: Sequence[str]) -> dict[str, str]:
     found["reflections"] = reflections_function(template, paths)
     r = Recording()
     static = _tried(r, "p", "a", template)
-    object.__setattr__(static, "given", (math.inf, 0.0, r.symbol("compliance")))
+    object.__setattr__(static, "given", Given(math.inf, 0.0, r.symbol("compliance")))
     outputs = {"ratio": edge_effects.vibration(static, r.symbol("part"))}
     return found | {"inertia": r.function("inertia", "p, a, n, compliance, part", outputs)}
 

@@ -18,10 +18,6 @@ from film_model.laws.yielding import pressure_over
 WIDEST = 1024.0
 """The law ends where the contact radius is this many times that at yield."""
 
-_RATIO, _KNOTS = 4.0, 30
-"""Of the indentation between pieces of the elastic force, and their least number: up to p_y π R/(2 E a_c) = 1e7 all
-laws have the same pieces, so that sweeps share them."""
-
 
 @dataclass(frozen=True)
 class _Plastic:
@@ -116,16 +112,18 @@ class ThorntonNing(AdhesiveLaw):
     def stages(self) -> tuple[Stage, ...]:
         plastic = _Plastic(self.similarity)
         reach = 1.001 * float(np.max(plastic.reach))
-        knots = max(_KNOTS, math.ceil(math.log(reach / UNLOADED, _RATIO)))
+        # at least 30 pieces: up to p_y π R/(2 E a_c) = 1e7 all laws have the same, so that sweeps share them
+        spaced = 4.0
+        knots = max(30, math.ceil(math.log(reach / UNLOADED, spaced)))
         area = Power(constant=plastic.radius**2, slope=1.0 / 3.0)
         return (
             Stage("parting", PARTING, -1.0, jkr_force, root=True, pulls=True),
             Stage("pulling", -1.0, UNLOADED, jkr_force, pulls=True),
             Stage(
                 *("pushing", UNLOADED, plastic.begin, jkr_force),
-                knots=tuple(UNLOADED * _RATIO**k for k in range(1, knots)),
+                knots=tuple(UNLOADED * spaced**k for k in range(1, knots)),
                 pulls=True,
-                reach=UNLOADED * _RATIO**knots,
+                reach=UNLOADED * spaced**knots,
             ),
             Stage(
                 *("plastic", plastic.begin, plastic.end),

@@ -16,9 +16,6 @@ from film_model.laws.elastoplastic import Plastic, scaled_strain
 from film_model.problem.problem import Impacts, Problem
 from film_model.scene.noses import elastic_radius
 
-HERTZIAN = 1e-3
-"""Relative difference of a force from Hertz's at the same indentation, up to which the contact is elastic."""
-
 SHALLOW = 1e-3
 """Permanent over maximum indentation up to which nothing is called a dent."""
 
@@ -40,9 +37,9 @@ def plastic_contact(impacts: Impacts) -> Plastic | None:
 
 
 def hertzian(widening: Number) -> Number:
-    """Largest such difference of a law; 0 for one wider than the ball's section, which has no elastic stage and
-    Hertz's force by chance."""
-    return either(widening > 1.0, 0.0, HERTZIAN)
+    """Relative difference of a force from Hertz's at this indentation up to which the contact is elastic; 0 of a law
+    wider than the ball's section, which has no elastic stage and Hertz's force by chance."""
+    return either(widening > 1.0, 0.0, 1e-3)
 
 
 def contact_radius(impacts: Impacts, force: Number, indentation: Number) -> tuple[Number, Any]:

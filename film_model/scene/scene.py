@@ -331,8 +331,8 @@ class Scene:
     @cached_property
     def hertz_stiffness(self) -> float:
         """K of F = K δ^{3/2}, the elastic contact of a ball, N/m^1.5; nan without the effective modulus."""
-        modulus = self.effective_modulus
-        return hertz_stiffness(math.nan if modulus is None else modulus, self.effective_radius)
+        own = self.effective_modulus
+        return hertz_stiffness(math.nan if own is None else own, self.effective_radius)
 
     @cached_property
     def elastic_impact(self) -> tuple[float, float]:
@@ -348,8 +348,9 @@ class Scene:
     def yield_point(self) -> tuple[float, float] | None:
         """Indentation [m] and force [N] at first yield in slow loading; None without a strength or a modulus."""
         strength, modulus = self.yield_strength, self.effective_modulus
-        unknown = strength is None or modulus is None
-        return None if unknown else yield_point(modulus, self.effective_radius, strength)
+        if strength is None or modulus is None:
+            return None
+        return yield_point(modulus, self.effective_radius, strength)
 
     @cached_property
     def reaches_yield(self) -> bool | None:

@@ -27,9 +27,6 @@ from film_model.targets.several import omitted, seen
 STEP = 0.01
 """Tolerance of a step over the accuracy."""
 
-ABOVE = 1.5
-"""Frequency of the modes that stand for the omitted ones, over the highest."""
-
 
 class Followed(NamedTuple):
     """How a chain was followed: up to which frequency of the target, rad/s, and with which tolerance of a step. softer:
@@ -92,7 +89,7 @@ def _vibrations(target: AbstractTarget, points: tuple[str, ...], highest: float,
         modes = Modes(found.frequency, found.shapes[k] ** 2)
         lacking, error = omitted(target, point, modes, highest)
         more[k, k] = math.sqrt(lacking * (lacking > rounding * modes.compliance) + error * softer)
-    above = np.full(len(points), ABOVE * highest)
+    above = np.full(len(points), 1.5 * highest)  # frequency of the modes that stand for the omitted ones
     frequency = np.append(found.frequency, above)
     drag = np.append(2.0 * found.ratio * found.frequency, 0.0 * above)
     used = np.append(np.ones(count, dtype=bool), more.any(axis=0))

@@ -34,9 +34,6 @@ from film_model.targets import AbstractTarget
 BENT = 1e-6
 """As `KINK` of impacts on lines; the differences are then exact to about 1e-7."""
 
-GAP = 1.004
-"""Ratio of the two frequencies between which the modes end: no mode passes the other within a stencil."""
-
 BEYOND = 1.25
 """Highest frequency of the modes among which a gap is found, over that of the impact."""
 
@@ -169,7 +166,8 @@ def _changes_modes(target: AbstractTarget, moved: AbstractTarget) -> bool:
 def _between_modes(path: str, target: AbstractTarget, highest: float) -> tuple[float, int]:
     """The frequency nearest to `highest` in a gap between the modes; and the number of modes below it."""
     known = np.sort(target.modes(BEYOND * highest).frequency)
-    gaps = np.flatnonzero((known[1:] >= GAP * known[:-1]) & (known[:-1] > highest / BEYOND**2))
+    least = 1.004  # ratio of the two frequencies of a gap: no mode passes the other within a stencil
+    gaps = np.flatnonzero((known[1:] >= least * known[:-1]) & (known[:-1] > highest / BEYOND**2))
     if not gaps.size:
         raise SimulationError(
             f"a derivative by {path} is not supported: it changes the target's natural frequencies, which lie too "

@@ -52,9 +52,6 @@ CARRIED = 16
 """Most vibrations with membrane forces, the lowest. At 2.8 thicknesses the largest force on a square plate is 979,
 1033, 1052 and 1064 N with 6, 11, 15 and 20 of them; the time grows with the fourth power of their number."""
 
-APART = 1e-3
-"""Least relative distance between the frequencies of the last of them and the next."""
-
 
 def structure_of(target: AbstractTarget, highest: float, unit: float, carried: int = 0) -> Structure:
     """The modes up to the frequency `highest` [rad/s]; unit: of time in the march, s. Kept for the latest targets.
@@ -94,7 +91,8 @@ def _border(known: Array, carried: int) -> float:
     """A frequency below which at most `carried` of the known modes are, apart from the next."""
     if known.size <= carried:
         return math.inf
-    gaps = np.flatnonzero(np.diff(known[: carried + 1]) > APART * known[1 : carried + 1])
+    least = 1e-3  # relative distance between the frequencies of the last of them and the next
+    gaps = np.flatnonzero(np.diff(known[: carried + 1]) > least * known[1 : carried + 1])
     last = int(gaps[-1]) if gaps.size else 0
     return 0.5 * float(known[last] + known[last + 1])
 

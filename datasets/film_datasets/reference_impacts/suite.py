@@ -45,10 +45,6 @@ DIGITS = 10
 BOUNCES = 4
 """Bounces of a bouncing case."""
 
-LEAST = 1e-3
-"""The error of a velocity or length is relative to at least this part of the approach velocity or of the indentation;
-that of a velocity on a free body, which may be a difference of large ones, to the approach velocity."""
-
 
 class Value(NamedTuple):
     """A value, SI, with its unit, the bound of its error, and its difference to the second computation."""
@@ -139,13 +135,16 @@ def _compared(
 ) -> dict[str, Value]:  # fmt: skip
     """Each value that both computations have. The bound is the sum of both errors."""
     approach, deepest = history.scene.approach_velocity, history.summary["maximum_indentation"] or 0.0
-    least = {"length": LEAST * deepest, "velocity": approach * (1.0 if history.problem.free else LEAST)}
+    # The error of a velocity or length is relative to at least this part of the approach velocity or the indentation;
+    # that of a velocity on a free body, which may be a difference of large ones, to the approach velocity
+    part = 1e-3
+    least = {"length": part * deepest, "velocity": approach * (1.0 if history.problem.free else part)}
     values = dict[str, Value]()
     for name, other in again.values.items():
         own, dimension = found[name], table[name][0]
         if own is None:
             continue
-        size = max(abs(own), least.get(dimension, LEAST if dimension == "dimensionless" else 0.0))
+        size = max(abs(own), least.get(dimension, part if dimension == "dimensionless" else 0.0))
         bound = again.errors[name] if again.errors else (estimated + again.error) * size
         values[name] = Value(own, si_unit(dimension), bound, abs(own - other))
     return values

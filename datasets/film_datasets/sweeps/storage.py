@@ -22,9 +22,6 @@ from film_datasets.sweeps.executor import Workers
 from film_datasets.sweeps.ragged import Places, ragged_dims
 from film_model.base.threads import available_cores
 
-PIECES = 8
-"""Pieces of coordinates, of up to 2 MB, that are written at a time."""
-
 
 class Storage:
     """A sweep on its way into a writer. content: the hash, complete when the context ends; when it begins, that of what
@@ -60,9 +57,9 @@ class Storage:
         chunks = dict(zip(sweep.dims, blocks.shape, strict=True)) | own | blocks.growing_chunks
         sizes = dict(zip(sweep.dims, sweep.shape, strict=True)) | own
         self._writer.create(sizes, chunks, variable_attributes(sweep))
-        pieces = list(_coordinates(sweep))
-        for first in range(0, len(pieces), PIECES):
-            some = pieces[first : first + PIECES]
+        pieces, together = list(_coordinates(sweep)), 8  # pieces of up to 2 MB that are written at a time
+        for first in range(0, len(pieces), together):
+            some = pieces[first : first + together]
             made = list((map if self._executor is None else self._executor.map)(lambda piece: piece.values(), some))
             self.finish()
             self._start(self._put, some, made)

@@ -13,7 +13,7 @@ from film_model.laws import AbstractLaw
 from film_model.problem.curve import curve_of
 from film_model.problem.law_of_scene import SceneLaw
 from film_model.problem.numbers import Numbers
-from film_model.problem.problem import Impacts, Problem
+from film_model.problem.problem import Given, Impacts, Problem
 from film_model.problem.scales import scales_of
 from film_model.problem.summary import difference
 from film_model.scene import Solver
@@ -45,7 +45,8 @@ def problem_for(
         drift=0.0,
         share=1.0,
         mass=mass,
-        given=(impedance, load, 0.0),
+        given=Given(impedance, load, 0.0),
+        loaded=load > 0.0,
     )
 
 

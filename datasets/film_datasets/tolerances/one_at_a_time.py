@@ -14,7 +14,7 @@ from film_datasets.sweeps.definition import Sweep
 from film_datasets.sweeps.distributions import deviates, probabilities
 from film_datasets.tolerances.inputs import check_quantities, results_at, scattering
 
-ENDS = (0.05, 0.95)
+LOW, HIGH = 0.05, 0.95
 """Probabilities of the low and the high value."""
 
 
@@ -43,11 +43,11 @@ def one_at_a_time(sweep: Sweep, quantity: str) -> tuple[Swing, ...]:
     check_quantities([quantity])
     axes = scattering(sweep)
     matrix = np.array(sweep.correlation) if sweep.correlation else np.eye(len(axes))
-    z = deviates(np.array(ENDS))
+    z = deviates(np.array([LOW, HIGH]))
     u = np.full((1 + 2 * len(axes), len(axes)), 0.5)
     for k, row in enumerate(matrix):
         u[1 + 2 * k : 3 + 2 * k] = np.where(row == 0.0, 0.5, probabilities(z[:, None] * row))
-        u[1 + 2 * k, k], u[2 + 2 * k, k] = ENDS
+        u[1 + 2 * k, k], u[2 + 2 * k, k] = LOW, HIGH
     median, *others = results_at(sweep, axes, u, [quantity])[0].tolist()
     if not np.isfinite(median):
         raise ValueError(f"quantity: {quantity} has no value where all swept numbers have their medians")
@@ -57,5 +57,5 @@ def one_at_a_time(sweep: Sweep, quantity: str) -> tuple[Swing, ...]:
 
 
 def _ends(axis: Axis) -> tuple[float, float]:
-    low, high = np.asarray(axis.quantile(np.array(ENDS)), np.float64).tolist()
+    low, high = np.asarray(axis.quantile(np.array([LOW, HIGH])), np.float64).tolist()
     return low, high

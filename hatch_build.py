@@ -24,7 +24,10 @@ sys.path.insert(0, str(Path(__file__).parent))
 from fmu_wrapper import platforms
 
 CORE = platforms.CORE
-ONE_IMPACT = (*platforms.core("march", "marched", "compare", "solve"), *platforms.core("modal", "modal_impact"))
+ONE_IMPACT = (
+    *platforms.core("march", "marched", "compare", "solve"),
+    *platforms.core("modal", "modal_impact", "refine"),
+)
 PLATES = platforms.core("plate", "plate", "panel", "ritz", "levy", "spectrum")
 SOURCES = (
     *platforms.MARCH,
@@ -46,9 +49,14 @@ LINK = () if sys.platform == "win32" else ("-lm",)
 WASM = "film_model/explorer/_film_core.wasm"
 FRICTION = platforms.core("oblique", "friction", "friction_step", "springs", "radii")
 WASM_SOURCES = (*platforms.MARCH, *platforms.MODES, *PLATES, *ONE_IMPACT, *FRICTION)
+CALLED = {  # functions of the core that the page calls
+    name
+    for script in Path(__file__).parent.glob("film_model/explorer/web/*.js")
+    for name in re.findall(r"\bc\.(film_\w+)", script.read_text("utf-8"))
+}
 WASM_FLAGS = (
-    *("-target", "wasm32-wasi", "-mexec-model=reactor", *FLAGS, "-Os", "-s", f"-I{CORE}"),
-    *("-Wl,--export-dynamic", "-Wl,--export=__heap_base"),
+    *("-target", "wasm32-wasi", "-mexec-model=reactor", *FLAGS, "-Os", "-s", "-DFILM_API=", f"-I{CORE}"),
+    *(f"-Wl,--export={name}" for name in ("__heap_base", *sorted(CALLED))),
 )
 OLDEST_GLIBC = (2, 17)  # the oldest that Python's package index serves on all processors (manylinux2014)
 OLDEST_MACOS = "11.0"  # the first on ARM processors; nothing in the C sources needs a newer one

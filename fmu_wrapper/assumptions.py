@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 
 from film_model.base.arrays import endless
 from film_model.base.errors import SceneError, SimulationError
+from film_model.core.refining import MODES_FACTOR, step_tolerance
 from film_model.effects.choose import Choice, choose
 from film_model.effects.edge_effects import edged
 from film_model.effects.effect import NOT_MODELLED
@@ -25,7 +26,6 @@ from film_model.scene import DEFAULT_ACCURACY, Scene
 from film_model.scene.columns import scene_of_columns
 from film_model.solve import structures, vibration
 from film_model.solve.accuracy import refine
-from film_model.solve.mode_formulas import MODES_FACTOR
 from film_model.solve.motions import modes_for
 from fmu_wrapper.variables import Kind
 
@@ -256,7 +256,7 @@ def _needs_more(choice: Choice, highest: float) -> bool:
     """Whether vibrations above `highest` change the maximum force or indentation by more than the scene's tolerance."""
     scene, target = choice.scene, choice.scene.target
     problem = choice.problem.impacts.problem(math.inf, choice.problem.given.load, vibrates=True)
-    tolerance = vibration.tightened(scene.solver.accuracy or DEFAULT_ACCURACY, vibration.STEP)
+    tolerance = step_tolerance(scene.solver.accuracy or DEFAULT_ACCURACY)
     limit = vibration.time_limit(problem, target)
     half, whole = (
         vibration.run(problem, structures.structure_of(target, part * highest, problem.scales.time), tolerance, limit)

@@ -17,6 +17,7 @@ from law_cases import scene_text
 import film_model as fm
 from film_model.base.errors import SceneError
 from film_model.core import native
+from film_model.core.refining import step_tolerance
 from film_model.effects import rate_hardening
 from film_model.effects.effect import SIMULATED
 from film_model.explorer.inputs import ALONG as PATHS
@@ -24,7 +25,6 @@ from film_model.explorer.page import WASM, page, write_page
 from film_model.oblique import springs
 from film_model.problem.summary import rounding
 from film_model.scene.friction_table import FrictionTable
-from film_model.solve.vibration import STEP
 from film_model.studies.regimes import regimes
 
 pytestmark = [
@@ -322,7 +322,7 @@ def test_targets_that_vibrate_equal_python(shown, tmp_path, kind):
         check(history, factor, found, fragment)
         if stretches and found["modes"] and found["segments"] == len(history.vibration.segments):  # the same run
             errors += 1
-            assert found["error"] == pytest.approx(history.accuracy.estimated, abs=STEP * 1e-3), fragment
+            assert found["error"] == pytest.approx(history.accuracy.estimated, abs=step_tolerance(1e-3)), fragment
         assert (found["modes"] > 0) is (kind != "static" and "target_motion=false" not in fragment)
     assert compared >= 6 and errors >= (3 if stretches else 0)
     window.click("#part-laws > summary")

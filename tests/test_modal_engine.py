@@ -12,7 +12,7 @@ from cases import LAWS, combinations
 
 import film_model as fm
 from film_model.base import units
-from film_model.core import modal, native
+from film_model.core import modal, native, refining
 from film_model.effects.choose import problem_of
 from film_model.problem.curve import curve_of
 from film_model.problem.summary import differences
@@ -134,8 +134,24 @@ def test_an_impact_on_many_modes_is_not_followed_again_for_its_record(monkeypatc
     monkeypatch.setattr(vibration, "run", lambda *given, **named: (calls.append("run"), run(*given, **named))[1])
     monkeypatch.setattr(modal, "impact", lambda *given: (calls.append("impact"), impact(*given))[1])
     history = fm.simulate(scene)
-    assert history.accuracy.estimated > 1e-4 and history.vibration.met.size and history.vibration.modes > vibration.MANY
+    assert history.accuracy.estimated > 1e-4 and history.vibration.met.size and history.vibration.modes > 400
     assert calls.count("impact") == calls.count("run")
+
+
+def test_runs_end_where_frequencies_are_left_out_and_the_third_run_fails():
+    """The run with a quarter of the highest frequency is then above the first."""
+    plan = refining.Refinement(native.Start(nu=1.0), 1.0, 1.0, 1.0, 1e-3, math.inf, modal.MOST_WORK)
+    plan.skips, asked = 1, []
+    plan.begin(1.0)
+    while plan.ask != refining.ENOUGH and len(asked) < 20:
+        asked.append((plan.ask, plan.highest))
+        fails = plan.ask == refining.RUN and plan.highest > 16.0
+        taken = refining.Run(modes=int(10.0 * plan.highest), shares=1e3 if plan.highest < 10.0 else 0.0)
+        taken.core.maximum_force = taken.core.maximum_indentation = 1.0
+        plan.take(refining.Run(status=native.TOO_MANY) if fails else taken)
+    shares = [(refining.SHARES, highest) for highest in (2.0, 4.0, 8.0, 16.0)]
+    assert asked == [(refining.RUN, 1.0), *shares, *((refining.RUN, highest) for highest in (16.0, 32.0, 4.0))]
+    assert plan.highest == 16.0 and plan.below == 1.0
 
 
 # ---------------------------------------------------------------- one set of modes
@@ -342,7 +358,7 @@ def test_modes_that_are_none_are_refused(frequency, share, ratio, message):
 def estimated_and_true(scene, accuracy):
     """The error estimate, and the largest error against a run of a hundredth of the accuracy."""
     rough, fine = (fm.simulate(scene, accuracy=value) for value in (accuracy, accuracy / 30.0))
-    changes = vibration.differences(rough.problem, rough.vibration.summary, fine.vibration.summary)
+    changes = differences(rough.problem, rough.vibration.summary, fine.vibration.summary)
     return rough.accuracy.estimated, max(changes.values()), fine.accuracy.estimated
 
 
@@ -375,7 +391,7 @@ def test_errors_by_the_mode_of_the_omitted_compliance(monkeypatch):
     """Of a plate all whose modes are followed they are halved with each doubling of the highest frequency, and by half
     the critical damping; four doublings are two runs."""
     plate = fm.Plate(STEEL, "2.4 mm", size=["100 mm", "80 mm"], position=["42 mm", "31 mm"])
-    scene = struck(plate, "5 mm", "1.5 m/s", fm.Tsuji(restitution=0.8))
+    scene = struck(plate, "5 mm", "1.5 m/s").replace({"contact.law": "tsuji", "contact.restitution": 0.8})
     runs, follow = list[vibration.Vibration](), vibration.run
     monkeypatch.setattr(vibration, "run", lambda *given, **named: runs.append(follow(*given, **named)) or runs[-1])
     history = fm.simulate(scene)
@@ -387,13 +403,14 @@ def test_errors_by_the_mode_of_the_omitted_compliance(monkeypatch):
             follow(problem, structures.made(plate, more * runs[0].highest, problem.scales.time), 1e-8, limit).summary
             for more in (256.0, 2.0, 4.0, 8.0)
         ]
-        errors[ratio] = [max(vibration.differences(problem, each, summaries[0]).values()) for each in summaries[1:]]
+        errors[ratio] = [max(differences(problem, each, summaries[0]).values()) for each in summaries[1:]]
     for sharper, critical in zip(*errors.values(), strict=True):
         assert 0.35 < sharper / critical < 0.7
     for found in errors.values():
         assert all(1.5 < before / after < 3.0 for before, after in itertools.pairwise(found)), found
 
 
+@pytest.mark.slow
 def test_runs_that_agree_by_chance():
     """On this beam two sets of modes differ by less than a tenth of the error."""
     beam = fm.Beam(
@@ -423,7 +440,7 @@ def test_the_most_modes_that_can_be_computed(monkeypatch):
     many = fm.simulate_batch(scene, velocity=velocity, accuracy=1e-4)
     ritz.unit_modes.cache_clear()
     structures.forget()
-    changes = vibration.differences(exact.problem, found.vibration.summary, exact.vibration.summary)
+    changes = differences(exact.problem, found.vibration.summary, exact.vibration.summary)
     assert 1e-4 < max(changes.values()) < found.accuracy.estimated
     assert found.vibration.modes < exact.vibration.modes
     assert not many.failed.any() and (many.estimated_accuracy > 1e-4).all()

@@ -253,7 +253,7 @@ class _Edges:
         infinite, compliance = self.on_infinite, 0.0 if self.no_static else felt
         support = Support(math.inf, compliance, vibrates=True, slow=slow)
         trusted = infinite is not None and infinite.trial.ends
-        if infinite and trusted and (self.no_static or not _force(infinite) < _force(self.on_static)):
+        if infinite and trusted and (self.no_static or stiffer(infinite, self.on_static)):
             support = Support(infinite.given.impedance, vibrates=True)
         reason = f"the {self.scene.target.kind} moves by its natural vibrations"
         kept = self.reflections._replace(state=SIMULATED, cost=ON_MODES)
@@ -281,11 +281,20 @@ def felt_compliance(impacts: Impacts) -> tuple[float, bool]:
         return compliance, False
     core, scales = fixed.trial.summary, fixed.scales
     shortest = core.contact_duration * scales.time
-    contact = core.maximum_indentation * scales.length / _force(fixed)
     highest = 2.0 ** math.ceil(math.log2(SLOW / shortest))  # which many impacts share
     modes = scene.target.modes(highest)
     rest = scene.target.omitted(modes, highest)[0]
-    return modal.felt(modes.frequency, modes.share, rest, scene.mass, shortest, contact, SLOW)
+    return modal.felt(modes.frequency, modes.share, rest, scene.mass, shortest, softness(fixed), SLOW)
+
+
+def stiffer(one: Problem, other: Problem) -> Any:
+    """Whether an impact has at least the force of another."""
+    return either(_force(one) < _force(other), False, True)
+
+
+def softness(problem: Problem) -> Any:
+    """Compliance of the contact, m/N: largest indentation over largest force."""
+    return problem.trial.summary.maximum_indentation * problem.scales.length / _force(problem)
 
 
 def vibration(static: Problem, part: Any) -> Any:

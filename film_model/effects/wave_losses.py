@@ -76,14 +76,23 @@ def radiating(problem: Problem) -> tuple[Problem, Any]:
         return made, True
     if made is None:
         return problem, False
-    scene = problem.impacts.scene
-    duration, force = scene.elastic_impact
-    most = HERTZ_SQUARE * force**2.0 * duration / (made.given.impedance * scene.kinetic_energy)
-    # an impact that yields radiates less than the elastic one, and no other value changes as much
-    doubtful = either(pressed(problem), False, most > 0.9 * problem.scene.effect_tolerance)
+    most = largest_share(problem.impacts.scene, made.given.impedance)
+    doubtful = may_matter(pressed(problem), most, problem.scene.effect_tolerance)
     if not problem.impacts.many:
         return made, doubtful and matters(made, problem)
     return made, matters(made, problem, where=column(doubtful, problem.approach.size))
+
+
+def largest_share(scene: Scene, impedance: Any) -> Any:
+    """Share of the energy of an elastic impact that its waves take. One that yields radiates less, and no other value
+    changes as much."""
+    duration, force = scene.elastic_impact
+    return HERTZ_SQUARE * force**2.0 * duration / (impedance * scene.kinetic_energy)
+
+
+def may_matter(pressed: Any, most: Any, tolerance: Any) -> Any:
+    """Whether waves may change a result by more than the tolerance. most: :func:`largest_share`."""
+    return either(pressed, False, most > 0.9 * tolerance)
 
 
 def with_waves(problem: Problem) -> Problem | None:

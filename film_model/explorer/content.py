@@ -15,35 +15,33 @@ from film_model.base.errors import STATUSES, Outcome, SimulationError
 from film_model.base.materials import catalogue
 from film_model.base.unit_symbols import SYMBOLS, parse_unit
 from film_model.base.units import DIMENSIONS, PREFIXED, scene_unit, si_unit
-from film_model.core import friction, modal, native, springs
+from film_model.core import friction, modal, native, refining, springs
 from film_model.core.solving import MOST_SEGMENTS
 from film_model.effects.choose import Choice, choose
 from film_model.effects.effect import percent
 from film_model.effects.rate_hardening import MOST_ROUNDS
-from film_model.explorer import formulas, friction_formulas, support
+from film_model.explorer import formulas, friction_formulas, plain_formulas, support
 from film_model.explorer.formulas import LEAST_RESTITUTION
 from film_model.explorer.inputs import STRENGTH_ENTRIES, in_place_of, inputs_of, plate_inputs, with_exponents
 from film_model.explorer.laws import laws_of
 from film_model.oblique import friction as oblique
 from film_model.oblique import springs as rows
 from film_model.oblique.result import KINDS as PHASES
-from film_model.oblique.result import OBLIQUE, OPEN, REGIMES
+from film_model.oblique.result import OBLIQUE, REGIMES
 from film_model.plot import strobe
 from film_model.plot.style import COLOURS
 from film_model.problem.curve import TRIAL_SEGMENTS
 from film_model.problem.families import TERMS, mean_matrix, series_matrix
 from film_model.problem.law_of_scene import DAMPED, ELASTIC, STEEP, YIELDING
 from film_model.problem.model_intervals import (
-    BRITTLE,
     COVERED,
     KINDS,
     LARGEST,
-    POLYMER,
     evidence,
     missing,
     residuals_of,
 )
-from film_model.problem.summary import COMPARED, SUMMARY
+from film_model.problem.summary import SUMMARY
 from film_model.scene import DEFAULT_ACCURACY, DEFAULT_TOLERANCE, Scene, Sphere
 from film_model.scene.friction_table import FrictionTable
 from film_model.solve.accuracy import FIRST_SEGMENTS
@@ -82,7 +80,7 @@ class Content:
         texts = [*formulas.result_functions("Free", free), *formulas.result_functions("Fixed", fixed)]
         texts += [*formulas.vibrating_functions(fixed), *friction_formulas.common_functions(fixed)]
         texts += [formulas.warning_function(fixed), *formulas.hardening_functions(fixed)]
-        texts += [formulas.gravity_function(fixed), *formulas.plain_functions()]
+        texts += [formulas.gravity_function(fixed), *plain_formulas.plain_functions()]
         self._functions |= {text: text for text in texts}
 
     @property
@@ -287,12 +285,22 @@ def _intervals() -> list[list[dict[str, Any]]]:
     return found
 
 
+WHOLE = native.Summary, refining.Run, refining.Refinement
+"""Structures that the page reads and writes by the names of their numbers, among them integers."""
+
+
 def layout() -> dict[str, Any]:
     """Sizes and offsets of the core's structures, in bytes; without pointers they are the same on all platforms."""
     structures: dict[str, Any] = {
         **{"start": native.Start, "summary": native.Summary, "state": native.State, "line": native.Line},
         **{"solution": native.Solution, "modal": modal.Modal, "modal_start": modal.Start},
-        **{"modal_summary": modal.Summary, "modal_segment": modal.Segment, "modal_event": modal.Event},
+        **{
+            "modal_summary": modal.Summary,
+            "run": refining.Run,
+            "refine": refining.Refinement,
+            "modal_segment": modal.Segment,
+            "modal_event": modal.Event,
+        },
         **{"normal": friction.Normal, "friction": friction.Result, "springs": springs.Impact, "watch": springs.Watch},
     }
     found: dict[str, Any] = {
@@ -303,6 +311,7 @@ def layout() -> dict[str, Any]:
         "curve": ctypes.sizeof(native.Curve),
         "most_segments": MOST_SEGMENTS,
         "events": native.EVENTS,
+        "whole": [own[0] for kind in WHOLE for own in kind._fields_ if own[1] is ctypes.c_int32],
         "levels": modal.LEVELS,
     }
 
@@ -312,11 +321,14 @@ def _constants() -> dict[str, Any]:
         "first_segments": FIRST_SEGMENTS,
         "trial_segments": 4 * TRIAL_SEGMENTS,  # the page marches lines only; the trial in Python takes shorter ways
         "most_rounds": MOST_ROUNDS,
-        **{"agreement": AGREEMENT, "accuracy": DEFAULT_ACCURACY, "tolerance": DEFAULT_TOLERANCE},
-        **{"elastic": ELASTIC, "yielding": YIELDING, "damped": DAMPED, "steep": STEEP, "polymer": KINDS.index(POLYMER)},
-        "brittle": KINDS.index(BRITTLE),
+        **{"agreement": AGREEMENT, "accuracy": DEFAULT_ACCURACY},
+        **{
+            "elastic": ELASTIC,
+            "yielding": YIELDING,
+            "damped": DAMPED,
+            "steep": STEEP,
+        },
         "least_restitution": LEAST_RESTITUTION,
-        "compared": COMPARED,
         "vibration": support.constants(),
         "ritz": support.ritz_constants(),
         "friction": _friction(),
@@ -326,7 +338,7 @@ def _constants() -> dict[str, Any]:
 def _friction() -> dict[str, Any]:
     """The numbers of :mod:`film_model.oblique` and of the strobe picture."""
     return {
-        **{"springs": rows.SPRINGS, "closed": oblique.CLOSED, "open": OPEN, "regimes": REGIMES, "phases": PHASES},
+        **{"springs": rows.SPRINGS, "closed": oblique.CLOSED, "regimes": REGIMES, "phases": PHASES},
         "fastest": FrictionTable.PAIR[0].high,
         **support.numbers_of(strobe, ("BALLS", "SPACING")),
     }

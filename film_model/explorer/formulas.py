@@ -5,11 +5,9 @@
 
 from __future__ import annotations
 
-import inspect
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import partial
 from types import SimpleNamespace
 from typing import Any, ClassVar, cast
 
@@ -17,24 +15,20 @@ import numpy as np
 from numpy.polynomial import chebyshev
 
 from film_model.base.arrays import either, logarithm
-from film_model.base.flow_stress import contradicts, flow_of_hardness, yield_of_flow
-from film_model.base.materials import sphere_mass
 from film_model.base.rate_law import RateHardening
 from film_model.core import native
 from film_model.effects import edge_effects, gravity, large_slope, wave_losses
 from film_model.effects.case import Pulse, deforms
 from film_model.effects.many import may_matter
 from film_model.effects.material_damping import rebound
-from film_model.effects.rate_hardening import factor_at, secant
+from film_model.effects.rate_hardening import factor_at
 from film_model.explorer.inputs import PLATE
 from film_model.explorer.trace import Recording
 from film_model.laws.example_ball import example_ball
 from film_model.laws.hertz import hertz_stiffness
 from film_model.laws.law import AbstractLaw, Stage, law_fields
 from film_model.laws.yielding import yield_velocity
-from film_model.oblique import springs
-from film_model.oblique.result import allowed
-from film_model.problem.brittle import factors, failure
+from film_model.problem.brittle import factors
 from film_model.problem.curve import Curve
 from film_model.problem.families import EDGES, varying
 from film_model.problem.fit import functions_of
@@ -43,12 +37,11 @@ from film_model.problem.model_intervals import family_number, yield_velocities
 from film_model.problem.numbers import Numbers, zener
 from film_model.problem.problem import Given, Impacts, Problem, Trial
 from film_model.problem.scales import Scales, motion_of
-from film_model.problem.summary import gains_energy, gains_from_weight, radiated, summary_of
+from film_model.problem.summary import gains_energy, gains_from_weight, summary_of
 from film_model.scene import Effects, Scene
 from film_model.scene.columns import scene_of_columns
-from film_model.solve import mode_formulas, structures, vibration
+from film_model.solve import mode_formulas
 from film_model.targets import AbstractTarget
-from film_model.targets.panel_statics import degrees
 
 FROM_SCENE = (
     *("effective_modulus", "effective_radius", "yield_strength", "flow_strength", "strain_hardening_exponent"),
@@ -66,32 +59,6 @@ _SCALES = Scales._fields
 _OF_LAW = ("widening", "elastic_share", "softer_curvature", "strain_hardening_exponent", "yield_strength")
 _PROBLEM = ("gamma", "load", "damping", "approach", "drift", "share", "mass")
 _START = ("approach", "gamma", "load", "stop_velocity", "limit", "damping")
-
-
-def mass_of(radius: Any, density: Any) -> Any:
-    """Of a sphere."""
-    return sphere_mass(None, radius, cast("Any", SimpleNamespace(density=density)))
-
-
-PLAIN: dict[str, tuple[Callable[..., Any], str]] = {
-    "sphereMass": (mass_of, "mass"),
-    "firstYield": (lambda h, exponent, modulus: yield_of_flow(flow_of_hardness(h), exponent, modulus), "strength"),
-    "strengths": (contradicts, "contradict"),
-    "failure": (lambda pressing, cracking, force, radius: failure((pressing, cracking), force, radius), "indicator"),
-    "error": (partial(mode_formulas.error_of, False), "bound"),
-    "errorDamped": (partial(mode_formulas.error_of, True), "bound"),
-    "negligible": (vibration.negligible, "small"),
-    "tightened": (vibration.tightened, "tolerance"),
-    "modeOf": (structures.mode_of, "frequency share ratio"),
-    "onGrid": (structures.rounded, "to"),
-    "falling": (mode_formulas.falling, "later"),
-    "secant": (secant, "step moves"),
-    "degrees": (degrees, "x y"),
-    "stepsOf": (springs.steps_of, "steps"),
-    "ended": (springs.ended, "velocity"),
-    "allowed": (allowed, "error"),
-}
-"""Functions of numbers alone, by their names on the page, and the names of what they return."""
 
 
 @dataclass(frozen=True)
@@ -131,6 +98,8 @@ def numbers_function(template: Scene, paths: Sequence[str]) -> str:
     outputs["yields_light"] = replace_effects(scene, Effects(gravity=False)).reaches_yield
     outputs["loss_restitution"] = scene.loss_restitution
     outputs["waves"], outputs["waves_yielding"] = (wave_losses.impedance_of(scene, yields) for yields in (False, True))
+    outputs["waves_most"] = wave_losses.largest_share(scene, outputs["waves"])
+    outputs["waves_most_yielding"] = wave_losses.largest_share(scene, outputs["waves_yielding"])
     outputs |= {"zener": zener(scene, numbers.impedance), "heaviest": wave_losses.heaviest(scene)}
     outputs |= {f"steep{k}": large_slope.change_of(scene, k * numbers.weight) for k in (0, 1)}
     outputs |= {"family": family_number(scene), "yield_velocities": yield_velocities(scene)}
@@ -147,17 +116,8 @@ def numbers_function(template: Scene, paths: Sequence[str]) -> str:
 
 
 def changed_scene(template: Scene, x: Mapping[str, Any]) -> Scene:
-    """The scene with entries by path. A hardness is that of the yield strength: see `PLAIN`."""
+    """The scene with entries by path. A hardness is that of the yield strength: see `plain_formulas.PLAIN`."""
     return scene_of_columns(template, {path: value for path, value in x.items() if not path.endswith(".hardness")})
-
-
-def plain_functions() -> Iterator[str]:
-    """Those of `PLAIN`."""
-    for name, (function, outputs) in PLAIN.items():
-        r, inputs = Recording(), tuple(inspect.signature(function).parameters)
-        found = function(*map(r.symbol, inputs))
-        values = found if isinstance(found, tuple) else (found,)
-        yield r.function(name, ", ".join(inputs), dict(zip(outputs.split(), values, strict=True)))
 
 
 def replace_effects(scene: Scene, effects: Effects) -> Scene:
@@ -326,24 +286,25 @@ def vibrating_functions(template: Scene) -> list[str]:
         outputs = summary_of(problem, r.symbol("a.status"), core)
         functions.append(r.function(f"summaryVibrating{word}", "p, a, n", outputs))
     problem, core = problem_in(r, "p", template), _Core(r, "a")
-    rate = mode_formulas.swiftness(problem, core, r.symbol("shares"), r.symbol("highest"))
     limit, least = mode_formulas.following(problem, core, r.symbol("compliance"), r.symbol("lowest"))
-    share, soft = mode_formulas.step_share(problem, core, rate), mode_formulas.softness(problem, core)
-    functions.append(r.function("swiftness", "p, a, shares, highest", {"rate": rate, "share": share}))
-    functions.append(r.function("softness", "p, a", {"soft": soft}))
     functions.append(r.function("following", "p, a, compliance, lowest", {"limit": limit, "least": least}))
-    return [*functions, r.function("radiated", "p, a", {"energy": radiated(problem, core)})]
+    energy = mode_formulas.transferred(problem, core, r.symbol("damped"), r.symbol("energy"))
+    return [*functions, r.function("transferred", "p, a, damped, energy", {"energy": energy})]
 
 
 def hardening_functions(template: Scene) -> list[str]:
-    """Of the impact `p`, `a`: the strength at its strain rate over that of slow loading, whether something yields, and
-    the velocity after it."""
+    """Of the impact `p`, `a`: the strength at its strain rate over that of slow loading, whether something yields,
+    the contact's compliance, whether its force is that of the impact `q`, `b` at least, and the velocity after it."""
     r = Recording()
     tried = _tried(r, "p", "a", template)
     factor = r.function("strengthFactor", "p, a, n", {"factor": factor_at(tried, *tried.trial[:2])})
     after = r.function("rebound", "p, a", {"velocity": rebound(tried)})
+    soft = r.function("softness", "p, a", {"soft": edge_effects.softness(tried)})
+    other = _tried(r, "q", "b", template)
+    outputs = {"trusted": tried.trial.ends, "stiffer": edge_effects.stiffer(tried, other)}
+    stiffer = r.function("stiffer", "p, a, q, b", outputs)
     yields = r.function("deforms", "p, a", {"yields": deforms(tried)})
-    return [factor, yields, after]
+    return [factor, yields, soft, stiffer, after]
 
 
 def gravity_function(template: Scene) -> str:

@@ -9,10 +9,13 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import replace
+from functools import cache
+from itertools import product
 from typing import Any
 
+from film_model.base.arrays import root
 from film_model.base.errors import TooManyModes
-from film_model.core import modal
+from film_model.core import modal, panels
 from film_model.effects.choose import Choice
 from film_model.effects.edge_effects import SLOW
 from film_model.explorer.inputs import STRENGTH_ENTRIES, Input, damping_input
@@ -59,6 +62,12 @@ def scales_of(target: AbstractTarget) -> dict[str, float]:
         "target.material.youngs_modulus": target.material.youngs_modulus,
         "target.material.density": target.material.density,
     }
+
+
+def scaled(thickness: Any, modulus: Any, density: Any) -> tuple[Any, Any, Any, Any]:
+    """How frequencies, shares, compliance and the forms of membrane forces scale with those entries."""
+    rate = thickness * root(modulus / density)
+    return rate, 1.0 / (thickness * density), 1.0 / (modulus * thickness**3), root(modulus * thickness)
 
 
 def may_change(path: str, held: dict[str, Any]) -> bool:
@@ -123,12 +132,7 @@ def _modes_above(target: AbstractTarget, needed: float, unit: float, carried: in
 def constants() -> dict[str, Any]:
     """The numbers of :mod:`film_model.solve.vibration` and :mod:`film_model.solve.structures`."""
     names = (
-        "MEMBRANE_FACTOR",
-        "FOLLOWED",
         "HIGHEST",
-        "REFINED",
-        "STEP",
-        "STIFFER",
         "UNRESOLVED",
     )
     return numbers_of(vibration, names) | {
@@ -136,7 +140,6 @@ def constants() -> dict[str, Any]:
         "unseen": UNSEEN,
         "most_computed": 10_000,  # bound on the number of modes that the page computes itself: 56 MB for their tables
         "least_frequency": structures.SLOWEST,
-        "modes_of_a_step": modal.MODES_OF_A_STEP,
         "most_work": LIVE_WORK,
         "slow": SLOW,
     }
@@ -147,13 +150,22 @@ def numbers_of(module: Any, names: Iterable[str]) -> dict[str, Any]:
     return {name.lower(): getattr(module, name) for name in names}
 
 
+@cache
+def loose_edges() -> list[str]:
+    """The edges, by their numbers in the core, with which a plate can move without bending."""
+    kinds = enumerate(panels.EDGES)
+    every = (tuple(zip(*edges, strict=True)) for edges in product(kinds, repeat=4))
+    square = (1.0, 0.3, 1.0, 0.35), (1.0, 1.0)
+    return ["".join(map(str, numbers)) for numbers, names in every if ritz.loose(ritz.Panel(1.0, *square, names))]
+
+
 def ritz_constants() -> dict[str, Any]:
     """The numbers of :mod:`film_model.targets.ritz` and :mod:`film_model.targets.panel_statics`."""
     names = ("SHARPNESS", "LEAST", "NODE", "LOOSE", "SPARE", "MOST_WAVES", "WORK_OF_A_STRIP", "FEWEST")
     return (
         numbers_of(ritz, names)
-        | numbers_of(panel_statics, ("STATIC_DEGREE", "LOWER_DEGREES", "REMAINDER", "LEVY", "FAR", "SEEN", "IMAGES"))
-        | numbers_of(panel_statics, ("SLOWER", "SPREAD"))
+        | numbers_of(panel_statics, ("STATIC_DEGREE", "LOWER_DEGREES", "FAR", "SEEN", "SLOWER"))
+        | {"loose_edges": loose_edges()}
         # largest sum of the cubes of the numbers of functions that interact, and largest degree across a strip, of the
         # modes of a plate on the page
         | {"beyond": line_functions.BEYOND, "most_work": 2e8, "most_degree": 128}

@@ -81,7 +81,13 @@ def exact_force(problem: Problem) -> Power | None:
     """The force of a problem whose friction is exact: of `convex_power`, with one coefficient, on a target without
     vibrations and springs."""
     table = isinstance(problem.impacts.scene.contact.friction, FrictionTable)
-    return None if table or problem.vibrates or problem.curve.native.compliance > 0.0 else convex_power(problem.curve)
+    sprung = by_springs(table, problem.vibrates, problem.curve.native.compliance)
+    return None if sprung else convex_power(problem.curve)
+
+
+def by_springs(table: Any, vibrates: Any, compliance: Any) -> Any:
+    """Whether friction is solved by springs under any law. table: of friction."""
+    return table | vibrates | (compliance > 0.0)
 
 
 def convex_power(curve: Curve) -> Power | None:
@@ -164,11 +170,11 @@ def _by_springs(
     impulse = float(normal_impulse(scene, problem, rebound, times[-1]))
     ends = [springs.ended(run.slack, float(slid(given, impulse)), run.after) for run in runs]
     events = tuple((time, KINDS[kind]) for time, kind in first.phases)
-    missed = abs(float(trapezoid(force, times)) / impulse - 1.0)
+    normal = springs.normal_error(estimated, float(trapezoid(force, times)), impulse)
     most = int(np.argmax(np.abs(first.force)))
     summary = results(scene, given, rebound, ends[0], (abs(float(first.force[most])), float(times[most])))
     errors, before = [run.estimated for run in runs], abs(float(given.velocity))
-    error, bounds = springs.judged(ends, errors, steps, before, max(estimated, missed))
+    error, bounds = springs.judged(ends, errors, steps, before, normal)
     return Oblique(summary, regime, events, motion, error, *bounds)
 
 
@@ -212,9 +218,14 @@ def radius_beyond_yield(problem: Problem, depth: Array, force: Array, tabled: bo
     depth = np.maximum(depth, 0.0)  # below 0 between two contacts
     elastic = is_hertzian(problem.impacts, force, depth)
     # a force that has left Hertz's, as where the first stage of its law ends, meets it again by chance alone
-    elastic &= depth <= problem.curve.stages[0].end * problem.scales.length
-    left = np.logical_or.accumulate(~elastic & (depth > 0.0), axis=0)
-    return np.asarray(radius_of(problem.impacts, elastic & ~left, depth, tabled))
+    leaving = leaves(elastic, depth, problem.curve.stages[0].end * problem.scales.length)
+    left = np.logical_or.accumulate(leaving, axis=0)
+    return np.asarray(radius_of(problem.impacts, ~left, depth, tabled))
+
+
+def leaves(elastic: Any, depth: Any, end: Any) -> Any:
+    """Whether a contact leaves Hertz's force: where it is another, or behind the end of the first stage, m."""
+    return (depth > 0.0) & ~(elastic & (depth <= end))
 
 
 def results(

@@ -70,6 +70,13 @@ def allowed(accuracy: Any, yields: Any) -> Any:
     return greater(error_of_force(accuracy), either(yields, MODELLED, 0.0))
 
 
+def doubted(estimated: Any, accuracy: Any, low: Any, high: Any, before: Any) -> tuple[Any, Any]:
+    """Whether the error of the sliding velocity is named, and how far two models differ. accuracy: that was asked for,
+    or nan. low, high: bounds; the same of one model. before: |v₁|."""
+    most = either(accuracy == accuracy, allowed(accuracy, low < high), OPEN)
+    return estimated > most, high - low > OPEN * before
+
+
 @dataclass(frozen=True)
 class Oblique:
     """The tangential part of an impact. summary: SI floats by the names of `OBLIQUE`. sliding_regime: "sticks first",
@@ -119,13 +126,15 @@ class Oblique:
     def warnings(self, accuracy: float | None = None) -> tuple[str, ...]:
         """How far two models of a contact that yields differ, and an error beyond the accuracy that was asked for."""
         before, said = abs(self.motion["sliding_velocity"][0]), list[str]()
-        if self.estimated > (OPEN if accuracy is None else allowed(accuracy, self.low is not None)):
+        low, high = self.low or 0.0, self.high or 0.0
+        inexact, apart = doubted(self.estimated, math.nan if accuracy is None else accuracy, low, high, before)
+        if inexact:
             said.append(f"friction: the sliding velocity is known to {100 * self.estimated:.2g} % of that before only")
-        if self.low is not None and self.high is not None and self.high - self.low > OPEN * before:
-            low, high = (format_si(end, "velocity", 3) for end in (self.low, self.high))
+        if apart:
+            ends = " and ".join(format_si(end, "velocity", 3) for end in (low, high))
             said.append(
                 "friction: how stiff a contact that yields is along the surface is not known; two models give a "
-                f"sliding velocity after the impact of {low} and {high}"
+                f"sliding velocity after the impact of {ends}"
             )
         return tuple(said)
 

@@ -49,6 +49,11 @@ def judged(
     return error, (lesser(*map(sub, ends, off)), greater(*map(add, ends, off)))
 
 
+def normal_error(estimated: Any, seen: Any, impulse: Any) -> Any:
+    """Relative error of the normal force: that of its motion, or what its samples miss of the impulse."""
+    return greater(estimated, abs(seen / impulse - 1.0))
+
+
 def ended(slack: Number, slides: Number, after: Number) -> Number:
     """The sliding velocity after a run, m/s: of a contact that slides throughout, where the run does."""
     return either(slack <= SLIDING, slides, after)

@@ -13,7 +13,7 @@ from collections.abc import Iterable
 from functools import cache
 from typing import Any, NamedTuple, TypeAlias
 
-from film_model.base.arrays import either, root
+from film_model.base.arrays import either, exponential, lesser, root
 from film_model.base.units import format_si
 from film_model.problem.brittle import fails
 from film_model.problem.law_of_scene import ELASTIC, STEEP
@@ -144,12 +144,18 @@ def asked_number(problem: Problem) -> Any:
     if problem.curve.pulls:
         number = ASKED.index(ADHESIVE)
     elif base.contact.law == "auto" and base.effects.rate_hardening is not False:
-        family, polymer = family_number(scene), KINDS.index(POLYMER)
+        family = family_number(scene)
         law = problem.law.name if problem.relaxation is None else ""
         elastic, yields = law in (ELASTIC, STEEP[ELASTIC]), law == YIELDS
-        took = (family == polymer) | ((family == 0) & elastic) | ((family != 0) & yields)
-        number = either(took, either(fails(problem), KINDS.index(BRITTLE), family), -1)
+        number = kind_of(family, elastic, yields, fails(problem))
     return either((problem.gamma > 0.0) & scene.target.gives_way, -1, number)
+
+
+def kind_of(family: Any, elastic: Any, yields: Any, failing: Any) -> Any:
+    """The place in `KINDS`, -1 under another law than "auto" takes. elastic, yields: what the law does; failing:
+    whether a brittle body fails."""
+    took = (family == KINDS.index(POLYMER)) | ((family == 0) & elastic) | ((family != 0) & yields)
+    return either(took, either(failing, KINDS.index(BRITTLE), family), -1)
 
 
 def _family(problem: Problem) -> str | None:
@@ -181,12 +187,22 @@ def model_interval(problem: Problem, name: str, value: float | None) -> ModelInt
     found = residuals_of(family, name)
     if found is None:
         return None
-    low, high = (min(value * math.exp(residual), LARGEST.get(name, math.inf)) for residual in (found.low, found.high))
+    low, high = (at_residual(value, residual, LARGEST.get(name, math.inf)) for residual in (found.low, found.high))
     said = evidence(family, found)
     ratio = yield_velocities(problem.scene)
-    if ratio is not None and 0.0 < found.most < ratio:
+    if ratio is not None and extrapolated(ratio, found.most):
         said += f"; extrapolated from {found.most:.0f} to {ratio:.0f} yield velocities"
     return ModelInterval(low, high, said)
+
+
+def at_residual(value: Any, residual: Any, largest: Any) -> Any:
+    """What is measured, with this residual, of a computed value."""
+    return lesser(value * exponential(residual), largest)
+
+
+def extrapolated(ratio: Any, most: Any) -> Any:
+    """Whether an impact is beyond the yield velocities of all measurements."""
+    return (most > 0.0) & (ratio > most)
 
 
 def evidence(family: str, found: Residuals) -> str:

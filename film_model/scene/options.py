@@ -5,11 +5,18 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, Literal, TypeAlias
 
+from film_model.base.arrays import greater
 from film_model.base.errors import Mistake, raise_all
 from film_model.base.fields import InUnits, choice, entry, fill, measure, whole
 
 DEFAULT_ACCURACY = 1e-4
 DEFAULT_TOLERANCE = 0.01
+
+
+def tolerance_for(accuracy: Any) -> Any:
+    """Largest relative change of the summary by a neglected effect, unless a scene gives it."""
+    return greater(DEFAULT_TOLERANCE, accuracy)
+
 
 Switch: TypeAlias = Literal["auto"] | bool
 SWITCH = choice("auto", True, False)

@@ -29,7 +29,7 @@ from film_model.scene.contact import Contact
 from film_model.scene.impactor import STANDARD_GRAVITY, Sphere
 from film_model.scene.mistakes import mistakes_of, remarks_about
 from film_model.scene.noses import Nose, Oval, nose_of, oval_of, relative_radius
-from film_model.scene.options import DEFAULT_TOLERANCE, Effects, Solver
+from film_model.scene.options import Effects, Solver, tolerance_for
 from film_model.scene.sections import SECTIONS, parts_of, section_of
 from film_model.scene.slope import slope_coefficient
 from film_model.scene.toml import (
@@ -379,7 +379,7 @@ class Scene:
     def effect_tolerance(self) -> float:
         """Largest relative change of the summary by a neglected effect; see :class:`Effects`."""
         given = self.effects.tolerance
-        return max(DEFAULT_TOLERANCE, self.solver.accuracy or 0.0) if given is None else given
+        return tolerance_for(self.solver.accuracy or 0.0) if given is None else given
 
     def _wrong_types(self) -> list[Mistake]:
         kinds = zip(self.__dataclass_fields__, (Sphere, AbstractTarget, Contact, Effects, Solver, str), strict=True)

@@ -17,10 +17,11 @@ import numpy as np
 from film_model.base.arrays import Array
 from film_model.base.errors import TooManyModes
 from film_model.core import chaining, native
+from film_model.core.refining import MOST_FOLLOWED, error_of
 from film_model.problem.chain_contacts import ChainContact, speed_of
 from film_model.scene.chain import Chain, Link
-from film_model.solve.mode_formulas import FIRST_PHASE, error_of
-from film_model.solve.structures import MOST_MODES, rounded
+from film_model.solve.mode_formulas import FIRST_PHASE
+from film_model.solve.structures import rounded
 from film_model.targets import AbstractTarget, Modes
 from film_model.targets.several import omitted, seen
 
@@ -82,8 +83,10 @@ def _vibrations(target: AbstractTarget, points: tuple[str, ...], highest: float,
     rounding = 1e-9  # part of the static compliance that is rounding
     found = seen(target, points, highest)
     count = found.frequency.size
-    if count > MOST_MODES:
-        raise TooManyModes(f"{count} natural vibrations would be needed, more than {MOST_MODES}: give a lower accuracy")
+    if count > MOST_FOLLOWED:
+        raise TooManyModes(
+            f"{count} natural vibrations would be needed, more than {MOST_FOLLOWED}: give a lower accuracy"
+        )
     more = np.zeros((len(found.shapes), len(points)))
     for k, point in enumerate(points):
         modes = Modes(found.frequency, found.shapes[k] ** 2)

@@ -20,6 +20,7 @@ from film_model.base.errors import VIBRATES, CoreError, SimulationError, TooMany
 from film_model.base.threads import threads_allowed
 from film_model.core import modal, native
 from film_model.core.columns import Columns
+from film_model.core.refining import REFINED, error_of
 from film_model.effects.choose import problem_of
 from film_model.effects.many import rows_of
 from film_model.laws import LAWS, AbstractLaw
@@ -31,7 +32,6 @@ from film_model.scene import DEFAULT_ACCURACY, Scene, Solver
 from film_model.scene.columns import scene_of_columns, scene_of_row
 from film_model.solve import structures, vibration
 from film_model.solve.closed_form import ClosedForm
-from film_model.solve.mode_formulas import error_of
 from film_model.solve.sensed import Peaks, quantities_of, replayed
 from film_model.solve.vibration import Vibration, vibrate
 
@@ -277,7 +277,7 @@ def _refined(
         list[Followed](),
     )
     for k in range(MOST_RUNS):
-        problem, steps = problem_at(rows[left]), tolerance[left] * vibration.REFINED ** (2 - k)
+        problem, steps = problem_at(rows[left]), tolerance[left] * REFINED ** (2 - k)
         try:
             run = _follow(problem, highest * 2.0 ** (k - 2), steps, limit)
         except TooManyModes:

@@ -3,7 +3,7 @@
 They are differences of fourth order of whole impacts, one by one. With the same modes, or for a number of the target
 with as many modes, and with the same tolerance the summary is smooth to much less than the tolerance of a step. What
 remains is the error of the omitted modes, or that of the tolerance. It is estimated from three runs, as that of the
-summary itself (:func:`film_model.solve.mode_formulas.error_of`, :mod:`film_model.solve.relaxed`).
+summary itself (:func:`film_model.core.refining.error_of`, :mod:`film_model.solve.relaxed`).
 """
 
 from __future__ import annotations
@@ -18,6 +18,7 @@ import numpy as np
 
 from film_model.base.arrays import Array
 from film_model.base.errors import SimulationError
+from film_model.core.refining import error_of, tightened
 from film_model.effects import rate_hardening
 from film_model.effects.choose import Choice
 from film_model.problem.law_of_scene import SceneLaw, laws_of
@@ -26,7 +27,6 @@ from film_model.problem.relaxation import relaxation_of
 from film_model.problem.summary import SUMMARY, summary_of
 from film_model.scene.columns import scene_of_columns
 from film_model.solve import relaxed, structures, vibration
-from film_model.solve.mode_formulas import error_of
 from film_model.solve.slopes import SMOOTH, STENCILS, Pairs, Slopes, applied, kinked
 from film_model.solve.vibration import Vibration
 from film_model.targets import AbstractTarget
@@ -111,7 +111,7 @@ def _on_modes(choice: Choice, pair: Pairs, path: str, highest: float, accuracy: 
     """With the modes up to a frequency."""
     steps = 1e-6  # tolerance of a step over the requested accuracy
     target, unit, count = choice.scene.target, choice.problem.scales.time, 0
-    limit, tolerance = vibration.time_limit(choice.problem, target), max(accuracy * steps, vibration.TIGHTEST)
+    limit, tolerance = vibration.time_limit(choice.problem, target), tightened(accuracy, steps)
     carried = structures.CARRIED if choice.problem.stretches else 0
     value, step = float(pair.value[0]), float(pair.step[0])
     if _changes_modes(target, _impacts(choice, pair, path, value + step).base.target):

@@ -18,12 +18,10 @@ import numpy as np
 from film_model.base.arrays import Array, logarithm
 from film_model.base.errors import SimulationError, TooManyModes
 from film_model.core import modal
+from film_model.core.refining import MOST_FOLLOWED
 from film_model.problem.curve import can_be_in_series
 from film_model.problem.problem import Problem
 from film_model.targets import AbstractTarget, Modes
-
-MOST_MODES = 100_000
-"""Largest number of modes of a run, limited by the memory of the tables: 136 bytes per mode and step size in use."""
 
 ABOVE, RATIO = 4.0, 0.5
 """Frequency of the mode that stands for the omitted ones, over the highest, and its damping ratio. Without damping it
@@ -103,10 +101,10 @@ _kept_membrane = lru_cache(maxsize=16)(_membrane)
 def made(target: AbstractTarget, highest: float, longest: float, carried: int = 0) -> Structure:
     """The modes up to a frequency, with tables of their own. longest: step, s. carried: as of :func:`modes_of`."""
     modes, forms = modes_of(target, highest, carried)
-    if modes.frequency.size > MOST_MODES:
+    if modes.frequency.size > MOST_FOLLOWED:
         raise TooManyModes(
-            f"{modes.frequency.size} natural vibrations would be needed, more than {MOST_MODES}: the contact ends long "
-            "before waves return from the edges, so set boundary_reflections = false in [effects]"
+            f"{modes.frequency.size} natural vibrations would be needed, more than {MOST_FOLLOWED}: the contact ends "
+            "long before waves return from the edges, so set boundary_reflections = false in [effects]"
         )
     try:
         tables = modal.Tables(modes.frequency, modes.share, modes.damping_ratio, longest, forms)

@@ -3,12 +3,18 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 from film_model.base.errors import raise_all
 from film_model.base.fields import InUnits, entry, fill, measure, mistake
 from film_model.base.units import Value
 
 _STIFFNESS = measure("bending_stiffness", 1e-30, 1e18, required=True)
+
+
+def unstable(D11: Any, D12: Any, D22: Any) -> Any:
+    """Whether the bending energy may be negative."""
+    return D12 * D12 >= D11 * D22
 
 
 @dataclass(frozen=True, init=False, repr=False)
@@ -30,7 +36,7 @@ class BendingStiffness(InUnits):
         self, D11: Value | None = None, D12: Value | None = None, D22: Value | None = None, D66: Value | None = None
     ) -> None:
         raise_all(fill(self, locals()))
-        if self.D12**2 >= self.D11 * self.D22:
+        if unstable(self.D11, self.D12, self.D22):
             raise_all(
                 [
                     mistake(

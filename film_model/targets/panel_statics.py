@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from film_model.base.arrays import either, greater, lesser, root
+from film_model.base.arrays import either, exponential, greater, lesser, root
 from film_model.base.errors import SimulationError
 from film_model.base.threads import one_thread
 from film_model.core import panels
@@ -101,20 +101,29 @@ def unit_compliance(panel: Panel, position: tuple[float, float], far: float = FA
     panel, position = _felt(panel, position, far)
     (x, y), (a, b), (d11, _, d22, _) = position, panel.size, panel.stiffness
     simple = [panel.ends[k] == SIMPLE and not any(panel.springs[2 * k : 2 * k + 2]) for k in (0, 1)]
-    nearer = min(y, b - y) / d22**0.25 < min(x, a - x) / d11**0.25
-    if (nearer and not simple[1]) or (simple[0] and not simple[1]):
+    if turns(min(x, a - x), min(y, b - y), d11, d22, *simple):
         panel, position = turned(panel), (y, x)
     springs = panel.springs[:2]
     like = replace(panel, edges=panel.ends[0] + SIMPLE, springs=(*springs, 0.0, 0.0))
     known = levy_compliance(panel.stiffness, panel.size, panel.ends[0], position, springs, panel.foundation)
-    error = (LEVY + (IMAGES * math.exp(-2.0 * far) if panel.foundation else 0.0)) * known
-    if like == panel:
-        return known, error
-    *lower, last = (
-        ritz_compliance(panel, position, degree) - ritz_compliance(like, position, degree)
+    one, other, last = (
+        0.0 if like == panel else ritz_compliance(panel, position, degree) - ritz_compliance(like, position, degree)
         for degree in (*LOWER_DEGREES, STATIC_DEGREE)
     )
-    return known + last, REMAINDER * max(abs(last - each) for each in lower) + error
+    return corrected(known, one, other, last, far, panel.foundation)
+
+
+def turns(x: Any, y: Any, d11: Any, d22: Any, along: Any, across: Any) -> Any:
+    """Whether Lévy's series takes the other pair of edges as simply supported than those along x. x, y: distances from
+    the nearest edges; along, across: whether those at the ends of x, and of y, are simply supported."""
+    return either(across, False, (y / d22**0.25 < x / d11**0.25) | along)
+
+
+def corrected(known: Any, one: Any, other: Any, last: Any, far: Any, bed: Any) -> tuple[Any, Any]:
+    """Deflection and a bound on its error: of Lévy's series, and corrections by polynomials of three degrees."""
+    off = greater(abs(last - one), abs(last - other))
+    images = either(bed > 0.0, IMAGES * exponential(-2.0 * far), 0.0)
+    return known + last, REMAINDER * off + (LEVY + images) * known
 
 
 def _felt(panel: Panel, position: tuple[float, float], far: float) -> tuple[Panel, tuple[float, float]]:
@@ -127,18 +136,24 @@ def _felt(panel: Panel, position: tuple[float, float], far: float) -> tuple[Pane
     edges, springs, bed = list(panel.edges), list(panel.springs), panel.foundation
     size, place = list[float](), list[float]()
     for k, (x, side, other) in enumerate(zip(position, panel.size, panel.size[::-1], strict=True)):
-        twist = math.sqrt(48.0 * panel.stiffness[3] / bed) / other
-        reach = far * max((4.0 * panel.stiffness[2 * k] / bed) ** 0.25, twist)
-        if min(x, side - x) <= reach and 2.0 * (min(x, reach) + min(side - x, reach)) > side:
-            reach = side  # one edge is felt: unlike the other, it would take more functions that interact
-        for edge, distance in ((2 * k, x), (2 * k + 1, side - x)):
-            if distance > reach:
-                edges[edge], springs[edge] = SIMPLE[0], 0.0
-        place.append(min(x, reach))
-        size.append(place[k] + min(side - x, reach))
+        near, beyond, *cut = felt_along(x, side, other, panel.stiffness[2 * k], panel.stiffness[3], bed, far)
+        for edge in (2 * k + end for end in (0, 1) if cut[end]):
+            edges[edge], springs[edge] = SIMPLE[0], 0.0
+        place.append(near)
+        size.append(near + beyond)
     (a, b), (one, two, three, four), (s1, s2, s3, s4) = size, edges, springs
     cut = replace(panel, size=(a, b), edges=(one, two, three, four), springs=(s1, s2, s3, s4))
     return cut, (place[0], place[1])
+
+
+def felt_along(x: Any, side: Any, other: Any, bending: Any, twist: Any, bed: Any, far: Any) -> tuple[Any, ...]:
+    """Distances on both sides of x that are felt along a side, and whether the plate is cut there."""
+    reach = far * greater((4.0 * bending / bed) ** 0.25, root(48.0 * twist / bed) / other)
+    back = side - x
+    # if one edge is felt: the other, unlike it, would take more functions that interact
+    one = (lesser(x, back) <= reach) & (2.0 * (lesser(x, reach) + lesser(back, reach)) > side)
+    reach = either(one, side, reach)
+    return lesser(x, reach), lesser(back, reach), x > reach, back > reach
 
 
 def omitted_compliance(
@@ -153,13 +168,23 @@ def omitted_compliance(
     ω_h/s of their static deflection.
     """
     whole, error = compliance_and_error(panel, position)
-    found = whole - modes.compliance
-    if error > SPREAD * found:
+    found, vague = lacking(whole, error, modes.compliance)
+    if vague:
         rate = highest / SLOWER
         bed = replace(panel, foundation=panel.foundation + panel.mass_per_area * rate**2)
-        whole, own = compliance_and_error(bed, position, SEEN)
-        more = 1.0 / (SLOWER * math.atan(1.0 / SLOWER))
-        grown = more * (whole - float(np.sum(modes.share / (modes.frequency**2 + rate**2))))
-        if own + SPREAD * abs(grown) < error:
-            found, error = grown, more * own
+        bent = float(np.sum(modes.share / (modes.frequency**2 + rate**2)))
+        found, error = grown(found, error, *compliance_and_error(bed, position, SEEN), bent)
     return max(found, 0.0), error
+
+
+def lacking(whole: Any, error: Any, bent: Any) -> tuple[Any, Any]:
+    """What the static deflections of modes lack to the whole, and whether its error matters."""
+    return whole - bent, error > SPREAD * (whole - bent)
+
+
+def grown(found: Any, error: Any, whole: Any, own: Any, bent: Any) -> tuple[Any, Any]:
+    """The same, with its error, from deflections under a force that grows, if they show it better."""
+    more = 1.0 / (SLOWER * math.atan(1.0 / SLOWER))
+    other = more * (whole - bent)
+    better = own + SPREAD * abs(other) < error
+    return either(better, other, found), either(better, more * own, error)

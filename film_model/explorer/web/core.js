@@ -34,6 +34,8 @@ class Core {
     this.other = this.allocate(layout.summary.size);
     this.state = this.allocate(layout.state.size);
     this.counts = this.allocate(8);
+    this.plan = this.allocate(layout.refine.size);
+    this.run = this.allocate(layout.run.size);
     /** The shapes of curves, and where the curves are. @type {Map<string, number>} */
     this.shapes = new Map();
     this.family = this.allocate(32);
@@ -164,38 +166,32 @@ class Core {
   impact(p, curve, mesh) {
     this.writeStart(p);
     const status = this.c.film_marched(curve, mesh, this.start, this.result);
-    return { status, ...this.read("summary", this.result, ["stage", "lines"]) };
+    return { status, ...this.read("summary", this.result) };
   }
 
   /** @param {any} p problem @param {number} [place] */
   writeStart(p, place = this.start) {
-    const view = this.view();
-    const values = { nu: p.approach, gamma: p.gamma, load: p.load, stop_velocity: p.stop_velocity };
-    const all = { ...values, time_limit: p.limit, damping: p.damping };
-    for (const [name, value] of Object.entries(all)) view.setFloat64(place + this.layout.start[name], value, true);
+    const { approach: nu, gamma, load, stop_velocity, limit: time_limit, damping } = p;
+    this.write("start", place, { nu, gamma, load, stop_velocity, time_limit, damping });
   }
 
-  /** @param {number} place @param {Impact} summary */
-  writeSummary(place, summary) {
+  /** Numbers of a structure, those that it has. @param {string} kind @param {number} place @param {Record<string, number>} values */
+  write(kind, place, values) {
     const view = this.view();
-    for (const [name, offset] of Object.entries(this.layout.summary)) {
-      if (name === "stage" || name === "lines") view.setInt32(place + offset, summary[name], true);
-      else if (name !== "size") view.setFloat64(place + offset, summary[name], true);
+    for (const [name, offset] of Object.entries(this.layout[kind])) {
+      if (!(name in values)) continue;
+      if (this.layout.whole.includes(name)) view.setInt32(place + offset, values[name], true);
+      else view.setFloat64(place + offset, values[name], true);
     }
   }
 
   /** The largest relative difference of two summaries of a problem, relative to the second. @param {any} p @param {Impact} a @param {Impact} b */
   compare(p, a, b) {
-    return Math.max(...this.differences(p, a, b, 0));
-  }
-
-  /** The same value by value. @param {any} p @param {Impact} a @param {Impact} b @param {number} vibrates whether the target does */
-  differences(p, a, b, vibrates) {
     this.writeStart(p);
-    this.writeSummary(this.result, a);
-    this.writeSummary(this.other, b);
-    this.c.film_differences(this.start, this.result, this.other, vibrates, this.numbers);
-    return new Float64Array(this.c.memory.buffer, this.numbers, DATA.constants.compared.length);
+    this.write("summary", this.result, a);
+    this.write("summary", this.other, b);
+    this.c.film_compare(1n, this.start, this.result, this.other, 0, this.numbers);
+    return this.view().getFloat64(this.numbers, true);
   }
 
   /** The change of the summary between impacts with an effect, p, and without. @param {any} p @param {Impact} a @param {any} q @param {Impact} b */
@@ -205,7 +201,7 @@ class Core {
       const place = this.allocate(this.layout.start.size);
       this.writeStart(problem, place);
       const [summary, status] = [this.allocate(this.layout.summary.size), this.allocate(8)];
-      this.writeSummary(summary, found);
+      this.write("summary", summary, found);
       this.view().setInt32(status, found.status, true);
       return [status, place, summary];
     });
@@ -246,7 +242,7 @@ class Core {
       counts: counts.map((n) => n * doublings),
       estimated: view.getFloat64(found + estimated, true),
       reached: view.getInt32(found + reached, true) === 1,
-      summary: /** @type {Impact} */ ({ status, ...this.read("summary", found, ["stage", "lines"]) }),
+      summary: /** @type {Impact} */ ({ status, ...this.read("summary", found) }),
     };
   }
 
@@ -268,14 +264,14 @@ class Core {
     return place;
   }
 
-  /** The numbers of a structure. @param {string} kind @param {number} place @param {string[]} whole */
-  read(kind, place, whole) {
+  /** The numbers of a structure. @param {string} kind @param {number} place */
+  read(kind, place) {
     const view = this.view();
     /** @type {Record<string, number>} */
     const found = {};
     for (const [name, offset] of Object.entries(this.layout[kind])) {
       if (name === "size") continue;
-      found[name] = whole.includes(name) ? view.getInt32(place + offset, true) : view.getFloat64(place + offset, true);
+      found[name] = this.layout.whole.includes(name) ? view.getInt32(place + offset, true) : view.getFloat64(place + offset, true);
     }
     return found;
   }
@@ -306,7 +302,7 @@ class Core {
       this.top = top;
       return this.record(p, curve, mesh, 4 * room);
     }
-    const core = { status, ...this.read("summary", found, ["stage", "lines"]) };
+    const core = { status, ...this.read("summary", found) };
     return { status, lines, count: view.getInt32(count, true), top, end: timeOf(this.state), times, core };
   }
 

@@ -50,13 +50,15 @@ function hardeningOf(slow, hard, yields) {
  */
 function wavesOf(scene, slow, n, problem) {
   const wanted = scene.effects.wave_losses;
-  const impedance = slow[problem.law.family === "yields" ? "waves_yielding" : "waves"];
+  const yields = problem.law.family === "yields" ? "_yielding" : "";
+  const impedance = slow[`waves${yields}`];
   if (wanted === true && !(impedance < Infinity)) throw new Unsupported("only the waves of a half-space of known material are known");
   if (!(impedance < Infinity) || wanted === false || (wanted === "auto" && scene.law !== "auto")) return null;
   const radiating = problemOf(problem.law, n, impedance, problem.load);
   const change = changeOf(radiating, problem);
-  const pressed = problem.load > slow.heaviest;
-  return { simulated: wanted === true || !(pressed || change <= toleranceOf(scene)), change, radiating };
+  const tolerance = toleranceOf(scene);
+  const { may } = FORMULAS.wavesMatter(problem.load > slow.heaviest, slow[`waves_most${yields}`], tolerance);
+  return { simulated: wanted === true || (may && !(change <= tolerance)), change, radiating };
 }
 
 /** The change by waves from the edges of a plate, if the page can judge it; null if the plate has none. @param {Scene} scene @param {any} n @param {Problem} light @param {number} tolerance @returns {any} */

@@ -1,6 +1,7 @@
 // Impacts on a target that vibrates: as many of its modes as the accuracy needs, by the rules of film_model/solve/vibration.py.
 
 const TOO_MANY = -5; // status of a march with too many segments
+const [ENOUGH, RUN, SHARES, SOFTER, FEWER, FAILED] = [0, 1, 2, 3, 4, 5]; // of film_refine.h
 
 /**
  * How the target moves: as Python computed it, scaled with the plate's thickness, modulus and density of now; null if it does not.
@@ -11,20 +12,19 @@ function supportNow(scene) {
   if (plate) return plateNow(scene);
   const ratios = Object.entries(support?.scales ?? {}).map(([path, value]) => Number(scene.values[path]) / value);
   if (!ratios.some((ratio) => ratio !== 1)) return support;
-  const [thickness, modulus, density] = ratios;
-  const [rate, mass] = [thickness * Math.sqrt(modulus / density), thickness * density];
+  const { rate, share: lighter, compliance, stiffer } = FORMULAS.scaled(...ratios);
   const scaled = (/** @type {number[]} */ column, /** @type {number} */ factor) => column.map((value) => factor * value);
   const { frequency, share, ratio } = support.modes ?? {};
   return {
     ...support,
     key: `${support.key} ${ratios}`,
-    compliance: support.compliance / (modulus * thickness ** 3),
-    lacking: support.lacking / (modulus * thickness ** 3),
+    compliance: support.compliance * compliance,
+    lacking: support.lacking * compliance,
     lowest: rate * support.lowest,
     rate: rate * support.rate,
     highest: rate * support.highest,
-    modes: support.modes && { frequency: scaled(frequency, rate), share: scaled(share, 1 / mass), ratio },
-    stiffer: Math.sqrt(modulus * thickness),
+    modes: support.modes && { frequency: scaled(frequency, rate), share: scaled(share, lighter), ratio },
+    stiffer,
   };
 }
 
@@ -57,12 +57,12 @@ function feltCompliance(support, fixed, mass) {
 /**
  * The modes up to a frequency in the core's form, kept; with the omitted ones as one more mode for a law that no spring can follow.
  * @param {Scene} scene @param {number} highest in rad/s @param {number} longest step in s @param {boolean} series
- * @param {number} [softer] compliance that the omitted ones have more, m/N @param {boolean} [few] membrane forces on half as many
+ * @param {boolean} soft with more omitted compliance, by its error @param {boolean} few membrane forces on half as many
  */
-function structureOf(scene, highest, longest, series, softer = 0, few = false) {
+function structureOf(scene, highest, longest, series, soft, few) {
   const support = supportNow(scene);
   const own = scene.values["target.damping_ratio"];
-  const key = `${support.key} ${highest} ${longest} ${series} ${own} ${softer} ${few}`;
+  const key = `${support.key} ${highest} ${longest} ${series} ${own} ${soft} ${few}`;
   const known = CORE.structures.get(key);
   if (known) return known;
   CORE.tidy();
@@ -71,7 +71,7 @@ function structureOf(scene, highest, longest, series, softer = 0, few = false) {
   const ratio = own === undefined ? seen.modes.ratio : frequency.map(() => own ?? 0);
   let count = frequency.length;
   while (count > 0 && frequency[count - 1] > highest) count--;
-  const omitted = bentBy(seen.modes, count) + seen.lacking + softer;
+  const omitted = bentBy(seen.modes, count) + seen.lacking + (soft ? seen.error ?? 0 : 0);
   const forms = formsOf(seen, count, few);
   const columns = [frequency, share, ratio].map((/** @type {number[]} */ column) => column.slice(0, count));
   const shares = columns[1].reduce((/** @type {number} */ sum, /** @type {number} */ value) => sum + value, 0);
@@ -98,13 +98,10 @@ function formsOf({ membrane, stiffer = 1 }, count, few) {
 }
 
 /**
- * The impact on the modes up to a frequency. Its record stays in memory until something else is computed.
- * @param {Scene} scene @param {Problem} problem @param {number} highest @param {number} tolerance of a step @param {number} limit s
- * @param {number} [softer] as of structureOf @param {boolean} [few]
+ * The impact on modes. Its record stays in memory until something else is computed.
+ * @param {Problem} problem @param {any} structure @param {number} tolerance of a step @param {number} limit s
  */
-function followed(scene, problem, highest, tolerance, limit, softer = 0, few = false) {
-  const { p, law, curve } = problem;
-  const structure = structureOf(scene, highest, rounded(p.time), law.series, softer, few);
+function followed({ p, law, curve }, structure, tolerance, limit) {
   const rest = law.series ? (structure.omitted * p.force) / p.length : 0;
   const { layout, top } = CORE;
   const start = CORE.allocate(layout.modal_start.size);
@@ -119,7 +116,7 @@ function followed(scene, problem, highest, tolerance, limit, softer = 0, few = f
   CORE.top = top;
   if (found.status === FULL) throw new Unsupported("the motion has more segments than there is room for on this page: use film-model run");
   if (found.status < 0) throw new Failure(found.status);
-  return { ...found, structure, highest, tolerance, end, top };
+  return { ...found, structure, end, top };
 }
 
 /** One impact, recorded. @param {any} structure @param {number} curve @param {number} start @param {Record<string, number>} values @param {number} room segments */
@@ -130,13 +127,13 @@ function marched(structure, curve, start, values, room) {
   const [state, waves] = [CORE.allocate(modal.size), CORE.allocate(8 * c.film_waves_size(structure.place))];
   const [result, record, energies] = [outcome.size, 64, 8 * structure.count].map((size) => CORE.allocate(size));
   const arrays = [room * segment.size, room * event.size, flights * 16 * structure.count].map((size) => CORE.allocate(size));
+  CORE.write("modal_start", start, values);
   let view = CORE.view();
-  for (const [name, value] of Object.entries(values)) view.setFloat64(start + layout.modal_start[name], value, true);
   [...arrays, room, room, flights, 0, 0, 0].forEach((value, k) => view.setInt32(record + 4 * k, value, true));
   const status = c.film_modal_impact(structure.place, curve, start, state, waves, result, record);
   c.film_modal_energies(structure.place, state, waves, energies);
   view = CORE.view();
-  const core = CORE.read("summary", result + outcome.core, ["stage", "lines"]);
+  const core = CORE.read("summary", result + outcome.core);
   for (const name of ["time_of_maximum_indentation", "time_impactor_stops", "contact_duration"]) core[name] /= values.unit;
   const names = Array.from({ length: view.getInt32(record + 28, true) }, (_, k) => {
     const at = arrays[1] + k * event.size;
@@ -156,111 +153,66 @@ function marched(structure, curve, start, values, room) {
   };
 }
 
-/** Difference of two summaries, value by value. @param {Problem} problem @param {Impact} a @param {Impact} b @returns {Record<string, number>} */
-function differencesOf({ p, law }, a, b) {
-  const found = Array.from(CORE.differences(p, a, b, 1), (difference, k) => [DATA.constants.compared[k], difference]);
-  return Object.fromEntries(found.filter(([name]) => name !== "permanent_indentation" || law.dissipates));
-}
-
-/** @param {number} accuracy @param {any} outcome */
-function unreached(accuracy, outcome) {
-  return `accuracy ${accuracy} is not reached with the ${outcome.structure.count} natural vibrations here`;
-}
-
-/**
- * Largest change of the summary by the error of the omitted compliance, as of film_model/solve/vibration.py: _target_error.
- * @param {Scene} scene @param {Problem} problem @param {any} coarse the run before the last @param {number} accuracy @param {number} limit
- */
-function errorOfCompliance(scene, problem, { core, highest, tolerance, structure: { omitted, error } }, accuracy, limit) {
-  if (FORMULAS.negligible(error, FORMULAS.softness(problem.p, core).soft + omitted, accuracy).small) return 0;
-  return Math.max(...Object.values(differencesOf(problem, core, followed(scene, problem, highest, tolerance, limit, error).core)));
-}
-
-/** Bound on the error by membrane forces on the lowest modes alone: _membrane_error. @param {Scene} scene @param {Problem} problem @param {any} found @param {number} limit */
-function errorOfMembrane(scene, problem, { core, highest, tolerance }, limit) {
-  if (!supportNow(scene).membrane) return 0;
-  const other = followed(scene, problem, highest, tolerance, limit, 0, true);
-  return DATA.constants.vibration.membrane_factor * Math.max(...Object.values(differencesOf(problem, other.core, core)));
-}
-
-/** The impact with as many modes as the accuracy needs, and the error estimate. @param {Scene} scene @param {Problem} problem */
+/** The impact with as many modes as the accuracy needs, and the error estimate: film_refine asks for the runs. @param {Scene} scene @param {Problem} problem */
 function vibrate(scene, problem) {
+  const { c, layout, plan, run } = CORE;
   const support = supportNow(scene);
   const rule = DATA.constants.vibration;
   const accuracy = scene.solver.accuracy ?? DATA.constants.accuracy;
   const { p, law } = problem;
-  CORE.c.film_modal_still(problem.curve, p.approach, CORE.result);
-  const still = CORE.read("summary", CORE.result, ["stage", "lines"]);
-  const { limit, least } = FORMULAS.following(p, still, support.compliance, support.lowest);
+  c.film_modal_still(problem.curve, p.approach, CORE.result);
+  const { limit, least } = FORMULAS.following(p, CORE.read("summary", CORE.result), support.compliance, support.lowest);
   const shared = rounded(least, support.rate, support.steps ?? 1);
   const first = 4 * shared > support.highest ? rounded(least, support.rate) : shared; // few sets of vibrations, unless they are too many
-  const rattles = !law.series && structureOf(scene, Math.min(first, support.highest), rounded(p.time), law.series).omitted > 0;
-  let [highest, most] = [first, Math.min(support.highest, rattles ? rule.highest * first : Infinity)];
-  const cut = 2 * first > support.highest;
-  const refuse = () => {
-    if (support.limited) throw new Unsupported(`accuracy ${accuracy} needs more functions for these edges than the page computes in a second: ask for a looser accuracy, or use film-model run`);
+  const structure = (/** @type {number} */ highest, soft = false, few = false) => structureOf(scene, highest, rounded(p.time), law.series, soft, few);
+  const rattles = !law.series && structure(Math.min(first, support.highest)).omitted > 0;
+  const refuse = (/** @type {number} */ highest) => {
+    if (support.limited && highest > support.highest) throw new Unsupported(`accuracy ${accuracy} needs more functions for these edges than the page computes in a second: ask for a looser accuracy, or use film-model run`);
   };
-  if (4 * first > support.highest) refuse();
-  if (cut) highest = support.highest / 4;
-  if (highest < rule.unresolved * first) throw new Unsupported("too few natural vibrations of the target are on this page for so short a contact");
-  const follow = (/** @type {number} */ tolerance, upTo = highest) => followed(scene, problem, upTo, tolerance, limit);
-  const tightened = (/** @type {number} */ from, /** @type {number} */ share) => FORMULAS.tightened(from, share).tolerance;
-  let tolerance = tightened(accuracy, rule.step);
-  const workOf = (/** @type {any} */ { core, structure }) => core.lines * (structure.count + rule.modes_of_a_step);
-  let coarse = follow(rule.refined * tolerance);
-  let spent = workOf(coarse);
-  /** @type {Record<string, number>|null} */
-  let before = null;
-  tolerance = tightened(tolerance, FORMULAS.swiftness(p, coarse.core, coarse.structure.shares, coarse.highest).share);
-  const shares = () => structureOf(scene, 2 * highest, rounded(p.time), law.series).shares;
-  const quick = () => FORMULAS.swiftness(p, coarse.core, shares(), 2 * highest).rate > rule.followed * 2 * highest;
-  while (!cut && !rattles && 4 * highest <= most && quick()) highest *= 2;
-  /** @type {number|null} */
-  let error = null;
-  const estimates = [Infinity];
-  let [count, same] = [0, false];
-  const outOfReach = () => p.damping > 0 && estimates.length > 3 && FORMULAS.falling(estimates.at(-1), estimates.at(same ? -2 : -3), most / highest).later > accuracy;
+  refuse(4 * first);
+  const cut = 2 * first > support.highest;
+  const begin = cut ? support.highest / 4 : first;
+  if (begin < rule.unresolved * first) throw new Unsupported("too few natural vibrations of the target are on this page for so short a contact");
+  const most = Math.min(support.highest, rattles ? rule.highest * first : Infinity);
+  const flags = { damped: +(p.damping > 0), reversible: +!law.dissipates, skips: +(!cut && !rattles), carried: +Boolean(support.membrane) };
+  CORE.writeStart(p, plan + layout.refine.start);
+  CORE.write("refine", plan, { ...flags, length: p.length, force: p.force, time: p.time, accuracy, most, most_work: rule.most_work });
+  c.film_refine_begin(plan, begin);
+  /** @type {any} */
+  let found = null;
+  let recorded = NaN;
   for (;;) {
-    [count, same] = [coarse.structure.count, coarse.structure.count === count];
-    highest = Math.min((same ? rule.stiffer : 2) * highest, most);
-    let fine;
+    const { ask, highest, tolerance, estimated, own } = CORE.read("refine", plan);
+    const follow = (soft = false, few = false) => followed(problem, structure(highest, soft, few), tolerance, limit);
+    if (ask === ENOUGH) {
+      if (recorded !== highest) found = follow();
+      const error = estimated + own;
+      if (estimated > accuracy) refuse(2 * highest);
+      return { ...found, error, warning: error <= accuracy ? "" : `accuracy ${accuracy} is not reached with the ${found.structure.count} natural vibrations here` };
+    }
+    let [taken, failure] = [/** @type {Record<string, number>} */ ({}), /** @type {unknown} */ (null)];
     try {
-      fine = follow(tolerance);
-    } catch (failure) { // a stiff omitted mode rattles between the impactor and the others
-      const long = failure instanceof Unsupported || (failure instanceof Failure && failure.status === TOO_MANY);
-      if (!long || error === null) throw failure;
-      error += errorOfMembrane(scene, problem, coarse, limit);
-      return { ...followed(scene, problem, coarse.highest, coarse.tolerance, limit), error, warning: unreached(accuracy, coarse) };
+      if (ask === SHARES) {
+        taken = { status: 0, shares: structure(highest).shares };
+      } else {
+        [found, recorded] = [follow(ask === SOFTER, ask === FEWER), ask === RUN ? highest : NaN];
+        const { shares, omitted, error, count } = found.structure;
+        taken = { status: 0, shares, omitted, error, modes: count };
+        CORE.write("summary", run + layout.run.core, found.core);
+      }
+    } catch (error) { // a stiff omitted mode rattles between the impactor and the others
+      [recorded, failure] = [NaN, error];
+      taken = { status: error instanceof Failure ? error.status : TOO_MANY };
     }
-    const changes = differencesOf(problem, coarse.core, fine.core);
-    spent += workOf(fine);
-    const last = 2 * highest > most || spent + 4 * workOf(fine) > rule.most_work;
-    if (before === null && last) { // the difference to fewer modes than those of the first run is known quickly
-      before = differencesOf(problem, follow(rule.refined ** 2 * tolerance, highest / 4).core, coarse.core);
-      fine = follow(tolerance); // whose record was overwritten
-    }
-    if (before === null) {
-      [coarse, before, tolerance] = [fine, changes, tightened(tolerance, 1 / rule.refined)];
-      continue;
-    }
-    const known = before;
-    const errorOf = FORMULAS[p.damping > 0 ? "errorDamped" : "error"];
-    const errors = Object.entries(changes).map(([name, change]) => errorOf(known[name], change).bound + tolerance);
-    error = Math.max(...errors);
-    estimates.push(error);
-    if (error > accuracy && 2 * highest > support.highest) refuse();
-    if (error <= accuracy || last || outOfReach()) {
-      const own = errorOfCompliance(scene, problem, coarse, accuracy, limit) + errorOfMembrane(scene, problem, fine, limit);
-      if (own > 0) fine = follow(fine.tolerance);
-      return { ...fine, error: error + own, warning: error + own <= accuracy ? "" : unreached(accuracy, fine) };
-    }
-    [coarse, before, tolerance] = [fine, changes, tightened(tolerance, 1 / rule.refined)];
+    CORE.write("run", run, taken);
+    c.film_refine_next(plan, run);
+    if (failure && CORE.read("refine", plan).ask === FAILED) throw failure;
   }
 }
 
 /** One impact on modes, as `run` of others. @param {Scene} scene @param {any} n @param {Problem} problem @param {number} samples @param {boolean} slides with friction */
 function runOnModes(scene, n, problem, samples, slides) {
-  const outcome = vibrate(scene, problem);
+  const outcome = /** @type {ReturnType<typeof followed> & {error: number, warning: string}} */ (vibrate(scene, problem));
   const { p, law } = problem;
   const separated = outcome.status === EVENT;
   const summary = vibratingSummary(problem, outcome, n);
@@ -285,7 +237,7 @@ function vibratingSummary({ p, law }, outcome, n) {
   const core = { ...outcome.core, status: outcome.status === EVENT ? EVENT : 0 };
   const summary = FORMULAS[`summaryVibrating${p.damping > 0 ? "Damped" : ""}`](p, core, n);
   if (outcome.status !== EVENT) return summary;
-  summary.energy_radiated = (outcome.structure.damped ? FORMULAS.radiated(p, core).energy : outcome.energy) * p.energy;
+  summary.energy_radiated = FORMULAS.transferred(p, core, outcome.structure.damped, outcome.energy).energy * p.energy;
   if (!law.dissipates && !(law.family === "damped")) summary.energy_absorbed = 0;
   return summary;
 }

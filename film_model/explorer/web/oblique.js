@@ -34,7 +34,7 @@ function obliqueOf(scene, n, problem, summary, own, sample) {
   if (Number.isNaN(summary.rebound_velocity)) throw new Unsupported("friction needs a contact that ends");
   const found =
     table.length === 2 && given.friction === 0 ? frictionless(given)
-    : (table.length === 2 && exactFriction(given, problem)) || frictionOfSprings(scene, n, problem, given, summary.rebound_velocity, own, sample);
+    : exactFriction(given, problem) || frictionOfSprings(scene, n, problem, given, summary.rebound_velocity, own, sample);
   const { regimes } = DATA.constants.friction;
   return {
     table,
@@ -57,13 +57,13 @@ function frictionless({ velocity }) {
 
 /** Exact between events, for a law that is one convex power; null for others. @param {any} given @param {Problem} problem */
 function exactFriction(given, { law, p, vibrates, compliance }) {
-  if (!law.power || vibrates || compliance > 0) return null;
+  if (!law.power || FORMULAS.bySprings(given.table.length > 2, vibrates, compliance).springs) return null;
   const { layout, c, top } = CORE;
   const { normal, friction: outcome } = layout;
   const [start, result, count] = [CORE.allocate(normal.size), CORE.allocate(outcome.size), CORE.allocate(8)];
   const [slope, coefficient, exponent] = law.power;
   const values = { slope, coefficient, exponent, approach: p.approach, gamma: p.gamma, load: p.load };
-  for (const [name, value] of Object.entries(values)) CORE.view().setFloat64(start + normal[name], value, true);
+  CORE.write("normal", start, values);
   let [room, status, rows] = [4096, FULL, 0];
   for (const above = CORE.top; status === FULL && room < 1e5; room *= 4) {
     CORE.top = above;
@@ -118,7 +118,7 @@ function frictionOfSprings(scene, n, problem, given, rebound, own, sample) {
   let left = false; // Hertz's force, as where the first stage of the law ends; it is met again by chance alone
   const radiusAt = (/** @type {number} */ F, /** @type {number} */ k) => {
     const found = FORMULAS.contactRadius(p, n, F, depth[k]);
-    left ||= depth[k] > (found.elastic ? (law.first_end ?? Infinity) * p.length : 0);
+    left ||= FORMULAS.leaves(found.elastic, depth[k], (law.first_end ?? Infinity) * p.length).left;
     return (left && found.elastic ? FORMULAS.contactRadius(p, n, Infinity, depth[k]) : found).radius;
   };
   const radii = law.dissipates ? radiiBeyondYield(begins.length, force, depth, force.map(radiusAt), n.effective_modulus)
@@ -130,7 +130,7 @@ function frictionOfSprings(scene, n, problem, given, rebound, own, sample) {
   const { impulse } = FORMULAS.impulseOf(p, n, rebound, stops.at(-1));
   const slid = CORE.c.film_friction_slid(CORE.numbersAt(given.table), given.table.length / 2, given.velocity, impulse / given.mass);
   const ends = runs.map((run) => FORMULAS.ended(run.slack, slid, run.velocity.at(-1)).velocity);
-  const { low, high, error } = FORMULAS.judged(ends, runs.map((run) => run.error), steps, Math.abs(given.velocity), Math.max(own.error, Math.abs(seen / impulse - 1)));
+  const { low, high, error } = FORMULAS.judged(ends, runs.map((run) => run.error), steps, Math.abs(given.velocity), FORMULAS.normalError(own.error, seen, impulse).error);
   return {
     after: ends[0],
     peak: [largest, time[step]],
@@ -203,10 +203,9 @@ function alongAt(times, oblique) {
 function warningsOf(oblique, accuracy) {
   if (!oblique) return [];
   const { low, high, motion, estimated_error: error } = oblique;
-  const { open } = DATA.constants.friction;
-  const allowed = accuracy === null ? open : FORMULAS.allowed(accuracy, low < high).error;
-  const texts = error > allowed ? [`friction: the sliding velocity is known to ${percent(error)} of that before only`] : [];
-  if (high - low > open * Math.abs(motion.sliding_velocity[0])) {
+  const { inexact, apart } = FORMULAS.doubted(error, accuracy ?? NaN, low, high, Math.abs(motion.sliding_velocity[0]));
+  const texts = inexact ? [`friction: the sliding velocity is known to ${percent(error)} of that before only`] : [];
+  if (apart) {
     const [from, to] = [low, high].map((value) => shown(value, "velocity", 3));
     texts.push(`friction: how stiff a contact that yields is along the surface is not known; two models give a sliding velocity after the impact of ${from} and ${to}`);
   }

@@ -112,15 +112,6 @@ function looseOf({ d11, d22, a, b, bed }, count, energy) {
   return Array.from({ length: count }, (_, k) => k).filter((k) => matrix[k * (count + 1)] < least);
 }
 
-/** Whether the plate can move without bending: nothing holds it, or it turns about one edge. @param {Panel} panel */
-function loose(panel) {
-  const [free, hinged] = [2, 1].map((count) => [0, 1].filter((along) => {
-    const ends = endsOf(panel, along);
-    return !ends.includes(1) && ends.filter((edge) => edge === 2).length === count;
-  }).length);
-  return free === 2 || (free === 1 && hinged === 1);
-}
-
 /** The modes up to a frequency. @param {Panel} panel @param {number[]} point @param {number} highest in rad/s */
 function panelModes(panel, point, highest) {
   const { ritz } = DATA.constants;
@@ -207,48 +198,38 @@ function ritzCompliance(panel, point, degree) {
 
 /** The static deflection over force, m/N, and a bound on its error. @param {Panel} given @param {number[]} place @param {number} far */
 function panelCompliance(given, place, far = DATA.constants.ritz.far) {
-  const { levy, images, remainder, lower_degrees: lower, static_degree: degree } = DATA.constants.ritz;
+  const { lower_degrees: lower, static_degree: degree } = DATA.constants.ritz;
   let [panel, [x, y]] = feltOf(given, place, far);
-  const { a, b, d11, d22 } = panel;
-  const nearer = Math.min(y, b - y) / d22 ** 0.25 < Math.min(x, a - x) / d11 ** 0.25;
-  const [along, across] = [0, 1].map((side) => simple(panel, side));
-  if ((nearer || along) && !across) [panel, x, y] = [turned(panel), y, x];
+  const { a, b, d11, d22, bed = 0 } = panel;
+  if (FORMULAS.turns(Math.min(x, a - x), Math.min(y, b - y), d11, d22, simple(panel, 0), simple(panel, 1)).turns) [panel, x, y] = [turned(panel), y, x];
   const known = ofPanel(panel, (at) => CORE.c.film_panel_levy(at, x, y));
-  const error = (levy + (panel.bed ? images * Math.exp(-2 * far) : 0)) * known;
-  if (simple(panel, 1)) return { compliance: known, error };
   const like = { ...panel, edges: [...endsOf(panel, 0), 0, 0] };
-  const [last, ...others] = [degree, ...lower].map((each) => ritzCompliance(panel, [x, y], each) - ritzCompliance(like, [x, y], each));
-  return { compliance: known + last, error: remainder * Math.max(...others.map((other) => Math.abs(last - other))) + error };
+  const more = [...lower, degree].map((each) => (simple(panel, 1) ? 0 : ritzCompliance(panel, [x, y], each) - ritzCompliance(like, [x, y], each)));
+  return FORMULAS.corrected(known, ...more, far, bed);
 }
 
 /** The part of a plate on a bed that the force feels, and the place in it. @param {Panel} panel @param {number[]} place @param {number} far @returns {[Panel, number[]]} */
 function feltOf(panel, place, far) {
   const { a, b, d11, d22, d66, bed, edges } = panel;
   if (!bed) return [panel, place];
-  const reach = [[d11, a, b], [d22, b, a]].map(([d, side, other], along) => {
-    const found = far * Math.max((4 * d / bed) ** 0.25, Math.sqrt(48 * d66 / bed) / other);
-    const [near, off] = [place[along], side - place[along]];
-    return Math.min(near, off) > found || 2 * (Math.min(near, found) + Math.min(off, found)) <= side ? found : side;
-  });
-  const [low, high] = [place, [a - place[0], b - place[1]]].map((distances) => distances.map((x, along) => Math.min(x, reach[along])));
-  const kept = [low[0] === place[0], high[0] === a - place[0], low[1] === place[1], high[1] === b - place[1]];
-  return [{ ...panel, a: low[0] + high[0], b: low[1] + high[1], edges: edges.map((edge, k) => (kept[k] ? edge : 0)) }, low];
+  const felt = [[a, b, d11], [b, a, d22]].map(([side, other, bending], along) => FORMULAS.feltAlong(place[along], side, other, bending, d66, bed, far));
+  const cut = felt.flatMap(({ cut, ends }) => [cut, ends]);
+  const [one, two] = felt.map(({ near, beyond }) => near + beyond);
+  return [{ ...panel, a: one, b: two, edges: edges.map((edge, k) => (cut[k] ? 0 : edge)) }, felt.map(({ near }) => near)];
 }
 
 /**
  * Static deflection over force of the vibrations above a frequency, m/N, and a bound on its error: omitted_compliance.
  * @param {Panel} panel @param {number[]} place @param {Record<string, ArrayLike<number>>} modes
- * @param {number} highest @param {{compliance: number, error: number}} statics of panelCompliance
+ * @param {number} highest @param {Record<string, number>} statics of panelCompliance
  */
 function omittedOf(panel, place, modes, highest, { compliance, error }) {
-  const { slower, spread, seen } = DATA.constants.ritz;
-  const lacking = compliance - bentBy(modes);
-  if (error > spread * lacking) {
+  const { slower, seen } = DATA.constants.ritz;
+  let { found, vague } = FORMULAS.lacking(compliance, error, bentBy(modes));
+  if (vague) {
     const rate = highest / slower;
-    const grown = panelCompliance({ ...panel, bed: panel.mass * rate ** 2 }, place, seen);
-    const more = 1 / (slower * Math.atan(1 / slower));
-    const found = more * (grown.compliance - bentBy(modes, 0, rate));
-    if (grown.error + spread * Math.abs(found) < error) return { lacking: Math.max(found, 0), error: more * grown.error };
+    const on = panelCompliance({ ...panel, bed: panel.mass * rate ** 2 }, place, seen);
+    ({ found, error } = FORMULAS.grown(found, error, on.compliance, on.error, bentBy(modes, 0, rate)));
   }
-  return { lacking: Math.max(lacking, 0), error };
+  return { lacking: Math.max(found, 0), error };
 }

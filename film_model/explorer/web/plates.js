@@ -69,11 +69,11 @@ function ofEdges(panel, point) {
   while (workOfPanel(panel, point, highest) > most) highest /= 2 ** 0.25;
   while (Math.max(...[0, 1].map((along) => halfWaves(panel, along, 16 * sharpness * few))) < functions - 2) few *= 16;
   const bends = () => modes(few).frequency.find((/** @type {number} */ own) => own > 0);
-  /** @type {{compliance: number, error: number}|undefined} */
+  /** @type {Record<string, number>|undefined} */
   let found;
   const statics = () => (found ??= panelCompliance(panel, point));
   return {
-    held: !loose(panel),
+    held: !DATA.constants.ritz.loose_edges.includes(panel.edges.join("")),
     limited: true,
     highest,
     upTo: (/** @type {number} */ limit) => ({ modes: modes(limit), ...omittedOf(panel, point, modes(limit), limit, statics()) }),

@@ -34,7 +34,7 @@ function entriesOf(scene) {
 function numbersOf(scene) {
   const x = entriesOf(scene);
   const [d11, d12, d22] = ["D11", "D12", "D22"].map((name) => x[`target.bending_stiffness.${name}`] ?? 0);
-  if (d11 && d12 ** 2 >= d11 * d22) throw new Unsupported("D12 must be smaller than √(D11 D22): otherwise the plate has negative bending energy");
+  if (d11 && FORMULAS.unstable(d11, d12, d22).unstable) throw new Unsupported("D12 must be smaller than √(D11 D22): otherwise the plate has negative bending energy");
   for (const body of ["impactor", "target"]) {
     const [hardness, strength] = ["hardness", "yield_strength"].map((name) => scene.values[`${body}.material.${name}`] ?? NaN);
     if (FORMULAS.strengths(hardness, strength).contradict) throw new Unsupported(`hardness and yield strength of the ${body} contradict each other: leave one of them empty`);
@@ -123,7 +123,7 @@ const reboundOf = (problem) => FORMULAS.rebound(problem.p, trial(problem)).veloc
 
 /** @param {Scene} scene */
 function toleranceOf(scene) {
-  return scene.tolerance ?? Math.max(DATA.constants.tolerance, scene.solver.accuracy ?? 0);
+  return scene.tolerance ?? FORMULAS.toleranceFor(scene.solver.accuracy ?? 0).tolerance;
 }
 
 /**
@@ -231,11 +231,9 @@ function supportOf(scene, n, law) {
   const own = vibrates && follows && !waves ? feltCompliance(support, problemOf(law, n, Infinity, 0), n.impactor_mass) : support.compliance;
   const bent = { impedance: Infinity, compliance: follows || !vibrates ? own : 0, vibrates, held: asked, edges };
   if (!vibrates || !waves) return bent;
-  const force = (/** @type {Problem} */ problem) => trial(problem).maximum_force * problem.p.force;
-  const infinite = problemOf(law, n, n.impedance, 0);
-  const trusted = trial(infinite).status === EVENT;
-  const stiffer = trusted && (!follows || !(force(infinite) < force(problemOf(law, n, Infinity, 0, bent.compliance))));
-  if (stiffer) return { ...still, vibrates, edges };
+  const [infinite, sprung] = [problemOf(law, n, n.impedance, 0), problemOf(law, n, Infinity, 0, bent.compliance)];
+  const found = FORMULAS.stiffer(infinite.p, trial(infinite), sprung.p, trial(sprung));
+  if (found.trusted && (!follows || found.stiffer)) return { ...still, vibrates, edges };
   return { ...bent, held: asked || bent.compliance === 0 };
 }
 
@@ -324,20 +322,20 @@ function summaryOf(scene, p, core, n) {
 function intervalsOf(scene, { n, choice: { problem }, summary }) {
   const decided = scene.law === "auto" && scene.effects.rate_hardening !== false;
   if (!decided || scene.base.free || !problem || problem.vibrates || (problem.p.gamma > 0 && n.impedance < Infinity)) return [];
-  const { elastic, steep, yielding, polymer, brittle } = DATA.constants;
-  if (n.family !== polymer && !(n.family === 0 ? [elastic, steep[elastic]] : [yielding]).includes(problem.law.name)) return [];
+  const { elastic, steep, yielding } = DATA.constants;
   const { maximum_force: force, contact_radius: radius } = summary;
   const { materials: given } = sceneOf(scene.base); // another material has no entries of brittle ones
   const fails = ["impactor", "target"].some((body) => {
     const { indicator } = FORMULAS.failure(n[`pressing_${body}`], n[`cracking_${body}`], force, radius);
     return indicator > 1 && scene.materials[body] === given[body];
   });
-  const known = DATA.intervals[fails ? brittle : n.family].filter((/** @type {any} */ { name, missing }) => missing || summary[name] > 0);
+  const { kind } = FORMULAS.kindOf(n.family, [elastic, steep[elastic]].includes(problem.law.name), problem.law.name === yielding, fails);
+  const known = (DATA.intervals[kind] ?? []).filter((/** @type {any} */ { name, missing }) => missing || summary[name] > 0);
   return known.map((/** @type {any} */ { name, low, high, most, up_to: reach, largest, covered, evidence, missing }) => {
     if (missing) return { name, evidence: missing };
-    const [least, greatest] = [low, high].map((residual) => Math.min(summary[name] * Math.exp(residual), largest ?? Infinity));
+    const [least, greatest] = [low, high].map((residual) => FORMULAS.residual(summary[name], residual, largest ?? Infinity).value);
     const ratio = n.yield_velocities;
-    const beyond = most > 0 && ratio > most ? `; extrapolated from ${reach} to ${ratio.toFixed(0)} yield velocities` : "";
+    const beyond = FORMULAS.extrapolated(ratio, most).beyond ? `; extrapolated from ${reach} to ${ratio.toFixed(0)} yield velocities` : "";
     return { name, low: least, high: greatest, covered, evidence: evidence + beyond };
   });
 }

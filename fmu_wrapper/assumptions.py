@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 
 from film_model.base.arrays import endless
 from film_model.base.errors import SceneError, SimulationError
-from film_model.core.refining import MODES_FACTOR, step_tolerance
+from film_model.core.refining import error_of, step_tolerance
 from film_model.effects.choose import Choice, choose
 from film_model.effects.edge_effects import edged
 from film_model.effects.effect import NOT_MODELLED
@@ -264,4 +264,4 @@ def _needs_more(choice: Choice, highest: float) -> bool:
     )
     found = differences(problem, half.summary, whole.summary)
     change = max(float(found[name]) for name in ("maximum_force", "maximum_indentation"))
-    return MODES_FACTOR * change > scene.effect_tolerance
+    return error_of(problem.law.damped, 0.0, change) > scene.effect_tolerance

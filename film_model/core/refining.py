@@ -14,9 +14,8 @@ REFINE = Header("modal/film_refine.h", modal.MODAL, native.SOLVE)
 ENOUGH, RUN, SHARES, SOFTER, FEWER, FAILED = REFINE.film("ENOUGH", "RUN", "SHARES", "SOFTER", "FEWER", "FAILED")
 """What may be asked for; no more; the run that just failed was needed."""
 
-REFINED, MODES_FACTOR, MOST_FOLLOWED = REFINE.film("REFINED", "MODES_FACTOR", "MOST_FOLLOWED")
-"""Tolerance of a step over that of the run with twice the highest frequency; bound on the error of a run over its
-difference to one with half the highest frequency; largest number of modes of a run."""
+REFINED, MOST_FOLLOWED = REFINE.film("REFINED", "MOST_FOLLOWED")
+"""Tolerance of a step over that of the run with twice the highest frequency; largest number of modes of a run."""
 
 
 @REFINE.structure("film_run")

@@ -9,9 +9,6 @@ from film_model.base.arrays import either, greater, root
 from film_model.problem.problem import Problem
 from film_model.problem.summary import radiated
 
-LONGEST = 3.0
-"""Time limit over the sum of contact times on a fixed target and on the static stiffness, and the longest period."""
-
 FIRST_PHASE = 24.0
 """Highest frequency of the first run times the time from touch to the deepest point."""
 

@@ -14,7 +14,6 @@ enum {
     FILM_FEWER = 4,  /* a run with membrane forces of half as many modes */
     FILM_FAILED = 5, /* the run that just failed was needed */
     FILM_REFINED = 2,           /* tolerance of a step over that of the run with twice the highest frequency */
-    FILM_MODES_FACTOR = 3,      /* bound on the error of a run over its difference to one with half the highest frequency */
     FILM_MOST_FOLLOWED = 100000 /* modes of a run, for the memory of their tables: 136 bytes per mode and step size in use */
 };
 

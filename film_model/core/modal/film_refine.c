@@ -101,7 +101,7 @@ static void go_up(film_refine *r, double highest, double tolerance) {
     const film_run *last = &r->runs[r->count - 1];
     r->stiffer = has_all(r);
     double higher = fmin((r->stiffer ? STIFFER : HIGHER) * highest, r->most);
-    int sure = higher >= r->most || r->work + 5.0 * work_of(last) > r->most_work; /* if more modes take no less */
+    int sure = HIGHER * higher > r->most || r->work + 5.0 * work_of(last) > r->most_work; /* if more modes take no less */
     r->final = sure || (r->damped && last->modes >= MANY) || (r->tried > 0 && r->estimates[2] <= FALL[0] * r->accuracy);
     ask(r, FILM_RUN, higher, tolerance);
 }
@@ -181,7 +181,7 @@ static void took_run(film_refine *r, const film_run *run) {
         return;
     }
     const film_run *fine = &r->runs[r->count - 1];
-    int last = failed || before || fine->highest >= r->most || r->work + 4.0 * work_of(fine) > r->most_work ||
+    int last = failed || before || HIGHER * fine->highest > r->most || r->work + 4.0 * work_of(fine) > r->most_work ||
                4.0 * fine->modes > FILM_MOST_FOLLOWED;
     if (last && r->count == 2) { /* the difference to fewer modes than those of the first run is known quickly */
         r->final = 0;

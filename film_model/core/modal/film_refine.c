@@ -34,8 +34,8 @@ static const double FALL[] = {8.0, 4.0};
 /* Factor of the impulse that scales the tolerance of a step. With half or twice as much impacts take about as long. */
 static const double IMPULSES = 80.0;
 
-/* By how much the highest frequency grows from run to run, while there are more modes, and once there are none: then only the omitted
- * compliance, a mode of damped laws, is stiffer, and errors about halve with each doubling. */
+/* Factors of the highest frequency from one run to the next. HIGHER: the next has more modes. STIFFER: the last two had the same modes, so
+ * that only the mode of a damped law's omitted compliance gets stiffer; errors then about halve with each doubling. */
 static const double HIGHER = 2.0, STIFFER = 4.0;
 
 /* Velocity of an impact without one, over delta_s/t_s. */
@@ -130,7 +130,7 @@ static void judge(film_refine *r, int asked) {
     else ask(r, FILM_ENOUGH, fine->highest, fine->tolerance);
 }
 
-/* Estimates the error if there are three runs, and asks for one with more modes, unless there is none. */
+/* With three runs: estimates the error, and ends if it is small enough or no run can follow. Otherwise asks for a higher run. */
 static void compare(film_refine *r, int last) {
     const film_run *fine = &r->runs[r->count - 1];
     if (r->count > 2) {

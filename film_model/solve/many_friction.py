@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from film_model.base.arrays import Array, Index, column, either
+from film_model.base.arrays import Array, Index, column, either, index_or_all, index_or_span
 from film_model.core import friction as core
 from film_model.core import native
 from film_model.effects.many import rows_of
@@ -101,8 +101,9 @@ def _exactly(
     slides = ended & (given.velocity != 0.0)
     solved = slides & (given.friction != 0.0)
     result: NDArray[Any] = np.zeros(count, core.MANY_DTYPE)
-    normals = _normals(problem, force, count)[solved]
-    result[solved] = core.many(normals, column(rate, count)[solved], before[solved], coarse)
+    rows = index_or_all(solved.nonzero()[0], count)
+    normals = _normals(problem, force, count)[rows]
+    result[rows] = core.many(normals, column(rate, count)[rows], before[rows], coarse)
     missed = solved & ((result["status"] != native.OK) | (result["closure"] > max(CLOSED, 10.0 * core.ERRORS[coarse])))
     unit, scales = given.friction * given.ratio, problem.scales
     after = either(solved, result["velocity"] * unit * scales.velocity, given.velocity)
@@ -115,9 +116,9 @@ def _exactly(
         tabled = (result["steps"] == 0) | (coarse == core.COARSE)
         least = np.where(tabled, core.ERRORS[core.COARSE], core.ERRORS[core.QUICK])
         error = np.where(solved & ~closed, np.maximum(error, least), error)
-    known = slides & ~missed
+    known = index_or_all((slides & ~missed).nonzero()[0], count)
     summary = {name: column(value, count)[known] for name, value in values.items()}
-    found.known(rows_of(problem)[known], summary, regime[known], error[known])
+    found.known(index_or_span(rows_of(problem)[known]), summary, regime[known], error[known])
     return ~missed
 
 

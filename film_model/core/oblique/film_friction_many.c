@@ -10,7 +10,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { CORNER, BELOW, ABOVE, FORCE, TIME, EARLY, LATE = EARLY + 3, OUTWARD = LATE + 3 }; /* panels; EARLY, LATE: 3 each */
+enum { CORNER, BELOW, ABOVE, FORCE, TIME, EARLY, LATE = EARLY + 3, OUTWARD = LATE + 3, PANELS }; /* EARLY, LATE: 3 each */
 enum { MOST_TERMS = 32 };
 
 static const double FEWEST = 0.01; /* psi, below which coarse steps would be too coarse; test of coarse steps */
@@ -25,64 +25,93 @@ static void chebyshev(double x, int terms, double *to) {
     for (int k = 2; k < terms; k++) to[k] = 2.0 * z * to[k - 1] - to[k - 2];
 }
 
-/* A panel: where its coefficients begin, and how many terms it has in x and, a multiple of 4, in y. */
-static double panel(const double *table, int which, double x, double y) {
+/* What impacts of one chi and one exponent share: series in x of the panels whose y is chi alone, and the time of the turn. */
+typedef struct {
+    double chi, exponent, turn, series[PANELS][MOST_TERMS];
+    int made[PANELS];
+} shared;
+
+/* The series in x of a panel at y; returns its terms. A panel's head: where its coefficients begin, and how many terms it has
+ * in x and, a multiple of 4, in y. */
+static int series_at(const double *table, int which, double y, double *to) {
     const double *head = table + 3 * which, *at = table + (int)head[0];
     int terms = (int)head[1], rows = (int)head[2];
-    double in_x[MOST_TERMS], in_y[MOST_TERMS], sum = 0.0;
-    chebyshev(x, terms, in_x);
+    double in_y[MOST_TERMS];
     chebyshev(y, rows, in_y);
     for (int i = 0; i < terms; i++, at += rows) {
         double part[4] = {0.0, 0.0, 0.0, 0.0};
         for (int j = 0; j < rows; j += 4) {
             for (int k = 0; k < 4; k++) part[k] += at[j + k] * in_y[j + k];
         }
-        sum += in_x[i] * ((part[0] + part[1]) + (part[2] + part[3]));
+        to[i] = (part[0] + part[1]) + (part[2] + part[3]);
     }
-    return sum;
+    return terms;
+}
+
+static double sum(const double *series, int terms, double x) {
+    double in_x[MOST_TERMS], total = 0.0;
+    chebyshev(x, terms, in_x);
+    for (int i = 0; i < terms; i++) total += in_x[i] * series[i];
+    return total;
+}
+
+static double panel(const double *table, int which, double x, double y) {
+    double series[MOST_TERMS];
+    int terms = series_at(table, which, y, series);
+    return sum(series, terms, x);
+}
+
+/* A panel over x and the chi that impacts share. */
+static double across(const double *table, shared *of, int which, double x) {
+    int *made = &of->made[which];
+    if (!*made) *made = series_at(table, which, (of->chi - LEAST_CHI) / (MOST_CHI - LEAST_CHI), of->series[which]);
+    return sum(of->series[which], *made, x);
 }
 
 /* By the table, over approach, force and time of the dimensionless motion, for psi >= 0 below 4 chi - 1. */
-static void look_up(const double *table, double psi, double chi, film_friction_brief *to) {
-    double across = (chi - LEAST_CHI) / (MOST_CHI - LEAST_CHI), late = (psi - 1.0) / (2.0 * chi - 1.0);
+static void look_up(const double *table, double psi, shared *of, film_friction_brief *to) {
+    double chi = of->chi, late = (psi - 1.0) / (2.0 * chi - 1.0);
     if (psi <= 1.0) {
         double corner = panel(table, CORNER, psi, 0.0);
         if (chi <= corner) to->velocity = psi * panel(table, BELOW, psi, (chi - LEAST_CHI) / (corner - LEAST_CHI));
         else to->velocity = psi * panel(table, ABOVE, psi, sqrt((chi - corner) / (LAST_CHI - corner)));
-        to->force = psi * panel(table, FORCE, 0.0, across);
-        to->time_of_force = panel(table, TIME, 0.0, across);
+        to->force = psi * across(table, of, FORCE, 0.0);
+        to->time_of_force = across(table, of, TIME, 0.0);
     } else if (late < 1.0) {
         int early = late < EARLIEST, first = early ? EARLY : LATE;
         double x = early ? pow(late / EARLIEST, 0.2) : (late - EARLIEST) / (1.0 - EARLIEST);
-        to->velocity = panel(table, first, x, across);
-        to->force = panel(table, first + 1, x, across);
-        to->time_of_force = panel(table, first + 2, x, across);
+        to->velocity = across(table, of, first, x);
+        to->force = across(table, of, first + 1, x);
+        to->time_of_force = across(table, of, first + 2, x);
     } else {
-        to->velocity = panel(table, OUTWARD, late - 1.0, across); /* the force is largest at the turn, as without friction */
+        to->velocity = across(table, of, OUTWARD, late - 1.0); /* the force is largest at the turn, as without friction */
     }
 }
 
 /* Whether a motion is known without steps, with the approach velocity as unit. */
-static int known(const film_normal *normal, double rate, double velocity, const double *table, film_friction_brief *to) {
+static int known(const film_normal *normal, double rate, double velocity, const double *table, shared *of, film_friction_brief *to) {
     int linear = normal->coefficient == 0.0, alone = linear || normal->slope == 0.0;
     double n = linear ? 1.0 : normal->exponent, psi = fabs(velocity), chi = 0.5 * rate;
     if (!alone || normal->gamma != 0.0 || normal->load != 0.0) return 0;
     int slides = psi >= 1.0 && psi >= 2.0 * rate - 1.0;
     if (!slides && !(table && n == 1.5 && chi >= LEAST_CHI && chi <= MOST_CHI)) return 0;
+    if (of->chi != chi) of->chi = chi, memset(of->made, 0, sizeof of->made);
+    if (of->exponent != n) of->exponent = n, of->turn = sqrt(PI) * tgamma(1.0 + 1.0 / (n + 1.0)) / tgamma(0.5 + 1.0 / (n + 1.0));
     to->velocity = psi - 2.0 * rate;
     to->force = 0.5 * (n + 1.0); /* at the turn, after half the contact */
-    to->time_of_force = sqrt(PI) * tgamma(1.0 + 1.0 / (n + 1.0)) / tgamma(0.5 + 1.0 / (n + 1.0));
-    if (!slides) look_up(table, psi, chi, to);
+    to->time_of_force = of->turn;
+    if (!slides) look_up(table, psi, of, to);
     to->velocity = copysign(1.0, velocity) * to->velocity;
     to->regime = slides ? FILM_SLIDES_THROUGHOUT : psi > 1.0 ? FILM_SLIDES_FIRST : FILM_STICKS_FIRST;
     return 1;
 }
 
-static void one(const film_normal *normal, double rate, double velocity, int coarse, const double *table, film_friction_brief *to) {
+static void one(const film_normal *normal, double rate, double velocity, int coarse, const double *table, shared *of,
+                film_friction_brief *to) {
     double approach = normal->approach;
     film_friction_result found;
     memset(to, 0, sizeof *to);
-    if (film_friction_sound(normal, rate, velocity) && known(normal, rate, velocity / approach, coarse ? table : NULL, to)) {
+    if (film_friction_sound(normal, rate, velocity) && known(normal, rate, velocity / approach, coarse ? table : NULL, of, to)) {
         double depth = film_friction_depth(normal);
         to->velocity *= approach;
         to->force *= approach * approach / depth;
@@ -101,7 +130,8 @@ static void one(const film_normal *normal, double rate, double velocity, int coa
 
 void film_friction_many(int64_t count, const film_normal *normals, const double *rates, const double *velocities,
                         int coarse, const double *table, film_friction_brief *results) {
-    for (int64_t i = 0; i < count; i++) one(&normals[i], rates[i], velocities[i], coarse, table, &results[i]);
+    shared of = {.chi = NAN, .exponent = NAN};
+    for (int64_t i = 0; i < count; i++) one(&normals[i], rates[i], velocities[i], coarse, table, &of, &results[i]);
 }
 
 void film_friction_sizes(int64_t sizes[3]) {

@@ -321,11 +321,16 @@ def test_a_command_is_parsed_alike_with_and_without_the_others():
             | {"film_model.core.modal", "film_model.cli.datasets"},
         ),
         (
+            "import tempfile; from film_model.cli.main import main; "
+            f"main(['run', {str(BALL)!r}, '--output', tempfile.mkdtemp() + '/x.nc'])",
+            {"pint", "scipy", "xarray", "matplotlib", "netCDF4"},
+        ),
+        (
             "import film_datasets",
             {"xarray", "pandas", "pint", "scipy", "matplotlib", "netCDF4", "zarr", "importlib.metadata"},
         ),
     ],
-    ids=["help", "run", "film_datasets"],
+    ids=["help", "run", "a dataset", "film_datasets"],
 )
 def test_what_is_not_needed_is_not_imported(code, unneeded):
     code += f"; import sys; print(sorted({unneeded} & set(sys.modules)), file=sys.stderr)"

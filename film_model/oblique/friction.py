@@ -13,7 +13,6 @@ from dataclasses import replace
 from typing import Any, cast
 
 import numpy as np
-from scipy.integrate import trapezoid
 
 from film_model.base.arrays import Array, Number, either, greater, ratio
 from film_model.base.errors import SimulationError
@@ -164,18 +163,23 @@ def _by_springs(
     models = [radius.reshape(times.shape) for radius in contact_radii(problem, depth, force, len(times))]
     runs = [springs.tangential(given, power, times, force.reshape(times.shape), radius) for radius in models]
     first, times = runs[0], times.ravel()
-    moved = np.concatenate([[0.0], np.cumsum(0.5 * (first.velocity[1:] + first.velocity[:-1]) * np.diff(times))])
+    moved = np.concatenate([[0.0], np.cumsum(_trapezoids(first.velocity, times))])
     motion = dict(zip(MOTION, (times, first.velocity, first.force, moved, first.stuck), strict=True))
     regime = REGIMES[first.regime]
     impulse = float(normal_impulse(scene, problem, rebound, times[-1]))
     ends = [springs.ended(run.slack, float(slid(given, impulse)), run.after) for run in runs]
     events = tuple((time, KINDS[kind]) for time, kind in first.phases)
-    normal = springs.normal_error(estimated, float(trapezoid(force, times)), impulse)
+    normal = springs.normal_error(estimated, float(_trapezoids(force, times).sum()), impulse)
     most = int(np.argmax(np.abs(first.force)))
     summary = results(scene, given, rebound, ends[0], (abs(float(first.force[most])), float(times[most])))
     errors, before = [run.estimated for run in runs], abs(float(given.velocity))
     error, bounds = springs.judged(ends, errors, steps, before, normal)
     return Oblique(summary, regime, events, motion, error, *bounds)
+
+
+def _trapezoids(values: Array, times: Array) -> Array:
+    """Integrals from one time to the next."""
+    return 0.5 * (values[1:] + values[:-1]) * np.diff(times)
 
 
 def slid(given: Sliding, impulse: Number) -> Number:

@@ -323,7 +323,7 @@ def test_a_command_is_parsed_alike_with_and_without_the_others():
         (
             "import tempfile; from film_model.cli.main import main; "
             f"main(['run', {str(BALL)!r}, '--output', tempfile.mkdtemp() + '/x.nc'])",
-            {"pint", "scipy", "xarray", "matplotlib", "netCDF4"},
+            {"pint", "scipy", "xarray", "matplotlib"},
         ),
         (
             "import film_datasets",

@@ -121,8 +121,10 @@ def give_result(
 
     def write(path: str) -> None:
         import film_datasets
+        from film_model.solve.history import History
 
-        film_datasets.write(result.to_dataset(), path, overwrite=options.force)
+        whole = result if isinstance(result, History) else result.to_dataset()  # a history needs no xarray
+        film_datasets.write(whole, path, overwrite=options.force)
 
     def draw(path: str) -> None:
         result.plot(path)

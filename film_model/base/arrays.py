@@ -41,6 +41,7 @@ def _either_of(of_array: Callable[[Any], Any], of_number: Callable[[float], floa
     return lambda x: of_array(x) if isinstance(x, np.ndarray) else of_number(x)
 
 
+cosh, tanh = _either_of(np.cosh, math.cosh), _either_of(np.tanh, math.tanh)
 root, logarithm = _either_of(np.sqrt, math.sqrt), _either_of(np.log, math.log)
 cosine, sine, tangent = _either_of(np.cos, math.cos), _either_of(np.sin, math.sin), _either_of(np.tan, math.tan)
 """Of an angle in radians."""

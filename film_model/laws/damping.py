@@ -8,11 +8,23 @@ from typing import Any
 
 import numpy as np
 
-from film_model.base.arrays import Array, exponential
+from film_model.base.arrays import (
+    all_of,
+    any_of,
+    cosh,
+    either,
+    exponential,
+    greater,
+    logarithm,
+    ratio,
+    sine,
+    tangent,
+    tanh,
+)
 
 _STRONGEST = 1e6  # upper bound of the damping ratio, at which e = 2.5e-13
 _REMAINDER = [1.0 / k for k in range(13, 1, -1)]  # of (−x − ln(1 − x))/x², the highest power first
-_ALMOST = 1.0 - 1e-15  # excludes the end of an interval, where the logarithm is singular
+_MOST_STEPS, _LAST_STEP = 100, 1e-11  # of Newton's method; the step after this one, over the root, is below 1e-16
 
 LOSS_SLOPE = 1.2048
 """(1 − e)/tan δ of a weak loss factor: less than the π/2 of half a cycle, because the force is zero before the
@@ -44,51 +56,48 @@ def spring_restitution(ratio: float) -> float:
 
 
 def spring_ratio(restitution: Any) -> Any:
-    """ζ for a restitution in (0, 1], or for an array of them: the inverse of :func:`spring_restitution`."""
-    if isinstance(restitution, np.ndarray):
-        return _spring_ratios(restitution)
-    wanted = math.log(max(restitution, spring_restitution(_STRONGEST)))
-    return _root(lambda ratio: math.log(spring_restitution(ratio)) - wanted, 0.0, _STRONGEST)
+    """ζ for a restitution in (0, 1], or for an array of them: the inverse of :func:`spring_restitution`.
 
-
-def _spring_ratios(restitution: Array) -> Array:
-    """ζ = sin φ with (π − 2φ) tan φ = −ln e below 1, ζ = cosh u with 2 u/tanh u = −ln e above."""
+    ζ = sin φ with (π − 2φ) tan φ = −ln e below 1, ζ = cosh u with 2 u/tanh u = −ln e above.
+    """
     near = 1e-9  # distance from the end of an interval at which a limit of 0/0 is reached to the last digit
-    wanted = -np.log(np.maximum(restitution, spring_restitution(_STRONGEST)))
-    ratio, under = np.empty(wanted.shape), wanted < 2.0
-    angle = _roots(lambda at, w: (math.pi - 2.0 * at) * np.tan(at) - w, 0.0, 0.5 * math.pi - near, wanted[under])
-    beyond = _roots(lambda at, w: 2.0 * at / np.tanh(at) - w, near, math.acosh(_STRONGEST), wanted[~under])
-    ratio[under], ratio[~under] = np.sin(angle), np.cosh(beyond)
-    return ratio
+    wanted = -logarithm(greater(restitution, spring_restitution(_STRONGEST)))
+    under = wanted < 2.0
+    if any_of(under) != all_of(under):
+        found = np.empty(wanted.shape)
+        found[under], found[~under] = spring_ratio(restitution[under]), spring_ratio(restitution[~under])
+        return found
+
+    def below(at: Any) -> tuple[Any, Any]:
+        left, slope = math.pi - 2.0 * at, tangent(at)
+        return left * slope - wanted, left * (1.0 + slope * slope) - 2.0 * slope
+
+    def above(at: Any) -> tuple[Any, Any]:
+        share = tanh(at)
+        return 2.0 * at / share - wanted, 2.0 / share - 2.0 * at * (1.0 / share**2 - 1.0)
+
+    least = 0.0 * wanted
+    if any_of(under):
+        return sine(_root(below, least, least, 0.5 * math.pi - near))
+    most = least + math.acosh(_STRONGEST)
+    return cosh(_root(above, most, near, most))
 
 
 def hunt_crossley_strength(restitution: Any) -> Any:
     """λ = χ V_0 of F = K δⁿ (1 + χ δ̇) for a restitution e in (0, 1], or for an array of them: the root of λ (1 + e) =
     ln((1 + λ)/(1 − λ e)), for any n."""
-    if isinstance(restitution, np.ndarray):
-        return _hunt_crossley_strengths(restitution)
-    if restitution > 1.0 - 1e-9:
-        return 1.5 * (1.0 - restitution)
-    low = 0.75 * (1.0 - restitution)  # half of the small-damping limit: always below the root
-    high = _ALMOST / restitution
-    if _hunt_crossley(high, restitution) > 0.0:  # 1 − λ e = e^{−λ (1 + e)} is below the rounding error
-        return 1.0 / restitution
-    return _root(lambda strength: _hunt_crossley(strength, restitution), low, high)
+    e, rounded = restitution, 1e-15
 
+    def lacking(left: Any) -> tuple[Any, Any]:
+        """Of −ln(1 − λ e), in which the root is not near a pole."""
+        share = exponential(-left)
+        strength = (1.0 - share) / e
+        slope = strength * (e * e - share / (1.0 + strength)) / e
+        return _log_remainder(share - 1.0) - _log_remainder(strength), slope
 
-def _hunt_crossley_strengths(restitution: Array) -> Array:
-    strength, high = 1.5 * (1.0 - restitution), _ALMOST / restitution
-    inside = restitution <= 1.0 - 1e-9
-    steep = inside & (_hunt_crossley(high, restitution) > 0.0)
-    strength[steep] = 1.0 / restitution[steep]
-    inside &= ~steep
-    e = restitution[inside]
-    strength[inside] = _roots(_hunt_crossley, 0.75 * (1.0 - e), high[inside], e)
-    return strength
-
-
-def _hunt_crossley(strength: Any, e: Any) -> Any:
-    return _log_remainder(strength) - _log_remainder(-strength * e)
+    low, high = (-logarithm(greater(1.0 - times * (1.0 - e), rounded)) for times in (0.75 * e, 1.5))
+    found = (1.0 - exponential(-_root(lacking, high, low, high))) / e
+    return either(e > 1.0 - 1e-9, 1.5 * (1.0 - e), found)
 
 
 def _log_remainder(x: Any) -> Any:
@@ -101,19 +110,15 @@ def _log_remainder(x: Any) -> Any:
     return sum((-x) ** k / k for k in range(2, 14))
 
 
-def _root(function: Callable[[float], float], low: float, high: float) -> float:
-    from scipy.optimize import brentq
-
-    tightest: Any = 1e-15
-    root: Any = brentq(function, low, high, xtol=1e-300, rtol=tightest)
-    return float(root)
-
-
-def _roots(function: Callable[[Any, Any], Any], low: Any, high: Any, given: Array) -> Array:
-    """The root between low and high of function(x, given) for each of the given values."""
-    from scipy.optimize import elementwise
-
-    if not given.size:
-        return given
-    ends: Any = tuple(np.broadcast_to(end, given.shape) for end in (low, high))
-    return elementwise.find_root(function, ends, args=(given,)).x
+def _root(lacking: Callable[[Any], tuple[Any, Any]], at: Any, low: Any, high: Any) -> Any:
+    """Where a rising function is 0, between low and high, by Newton's method from `at`; the middle where that leaves
+    them. lacking: value and slope of the function."""
+    for _ in range(_MOST_STEPS):
+        value, slope = lacking(at)
+        low, high = either(value < 0.0, at, low), either(value < 0.0, high, at)
+        ahead = at - ratio(value, slope)
+        ahead = either((ahead >= low) & (ahead <= high), ahead, 0.5 * (low + high))
+        at, moved = ahead, abs(ahead - at)
+        if all_of(moved <= _LAST_STEP * at):
+            break
+    return at

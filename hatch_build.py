@@ -31,7 +31,7 @@ ONE_IMPACT = (
 PLATES = platforms.core("plate", "plate", "panel", "ritz", "levy", "spectrum")
 SOURCES = (
     *platforms.MARCH,
-    *platforms.core("tables", "tables", "gauss", "way_in", "way_out"),
+    *platforms.core("tables", "tables", "cubics", "gauss", "way_in", "way_out"),
     *platforms.core("lanes", "lanes", "avx2", "avx512"),
     *platforms.core("batch", "batch", "batch_shape", "curves", "impact", "many", "motions", "single"),
     *platforms.MODES,

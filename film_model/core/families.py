@@ -94,9 +94,9 @@ def batch(
     return status, summary
 
 
-def by_series(curve: native.Curve, cut: native.Mesh) -> bool:
-    """Whether :func:`motions` of damped contacts on the curve, shared by all, are by series, not by lines."""
-    return bool(native.library().film_motions_by_series(c.byref(curve), c.byref(cut)))
+def in_lanes(curve: native.Curve) -> bool:
+    """Whether :func:`motions` on the curve, shared by all, are without lines."""
+    return bool(native.library().film_motions_in_lanes(c.byref(curve)))
 
 
 class Motions(NamedTuple):
@@ -114,7 +114,7 @@ class Motions(NamedTuple):
 def motions(
     rows: Rows, cut: native.Mesh, start: NDArray[Any], legs: NDArray[np.float64], knots: int, reversible: bool
 ) -> Motions:
-    """The motions of many contacts (START_DTYPE) by lines or `by_series`, at so many knots of legs whose turn and end
+    """The motions of many contacts (START_DTYPE) by lines or `in_lanes`, at so many knots of legs whose turn and end
     are known, (contacts, 2)."""
     start, curves = np.ascontiguousarray(start, native.START_DTYPE), rows.for_core()
     legs, shape = np.pad(legs, ((0, 0), (0, 1))), (len(legs), 2 * (knots + 1))

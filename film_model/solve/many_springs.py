@@ -75,13 +75,12 @@ def by_springs(
     accuracy = solver.accuracy or DEFAULT_ACCURACY
     tolerance = accuracy if problem.curve.reversible else max(accuracy, MODELLED)
     levels = springs.LEVELS if coarseness(solver) else springs.LEVELS[-1:]
-    coarse, segments, mesh = coarseness(solver), normal.segments, mesh_of(solver, (1, 1))
-    damped, finer, yields = problem.damping > 0.0, segments, not problem.curve.reversible
-    series = problem.own.alike and bool(np.all(damped)) and families.by_series(problem.curve.native, mesh)
-    few = (yields and coarse) or (series and coarse == QUICK)
-    if few and solver.accuracy is not None and solver.linearisation != "chord":
+    segments, yields = normal.segments, not problem.curve.reversible
+    damped, finer = problem.damping > 0.0, segments
+    few = yields and coarseness(solver) and solver.accuracy is not None and solver.linearisation != "chord"
+    if few or (problem.own.alike and families.in_lanes(problem.curve.native)):
         segments = np.tile(np.array(problem.curve.segments(recorded), np.int32), (len(segments), 1))
-    elif not series:
+    else:
         segments = recorded_segments(problem, solver, segments)
         # of damped motions twice those with which the ends meet the accuracy: the force between is up to 1e-3 less
         # exact (tests/test_friction_estimate.py)

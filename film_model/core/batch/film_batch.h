@@ -41,7 +41,6 @@ static inline void give(batch_job *j, const film_curve *curve, const film_mesh *
     j->status = status;
     j->family = NULL;
     j->spring = NULL;
-    j->motions = NULL;
     j->loaded = 0;
     j->shaped = -1;
 }

@@ -9,15 +9,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* The knots of a way in with the kink of its leg, from those without. */
-static void bend_times(int64_t knots, const double *leg, double *times) {
-    film_bend bend = film_bend_of(leg[2], leg[0], knots);
-    double at = bend.share * leg[0], early = bend.early / leg[0], late = bend.late / leg[0];
-    if (bend.knot < 0) return;
-    for (int64_t k = 0; k < knots; k++) times[k] = early * fmin(times[k], at) + late * fmax(times[k] - at, 0.0);
-    times[bend.knot] = leg[2];
-}
-
 enum { TIMED = 16 }; /* contacts whose times are taken together */
 
 void film_springs_knots(int64_t count, int64_t knots, const double *legs, double *times) {
@@ -32,20 +23,20 @@ void film_springs_knots(int64_t count, int64_t knots, const double *legs, double
                 times[i * values + 2 * knots + 1 - k] = k == knots ? turn : end - (end - turn) * share;
             }
         }
-        for (int64_t i = 0; i < own; i++) bend_times(knots, legs + 3 * i, times + i * values);
+        for (int64_t i = 0; i < own; i++) film_bend_times(knots, legs + 3 * i, times + i * values);
     }
 }
 
-/* Least change of the slope of a force where a contact yields that cubics across it do not follow, a share. */
-static const double KINK = 0.25;
+/* Whether cubics across a change of the slope of a force where a contact yields do not follow it: by more than a quarter. */
+static int is_kink(double before, double after) { return fabs(after - before) > 0.25 * before; }
 
-/* When a contact leaves the first stage of its law, at which it yields, if its slope changes by so much there; else 0. */
+/* When a contact leaves the first stage of its law, at which it yields, if its slope has a kink there; else 0. */
 static double yields_at(const film_curve *curve, const film_line *line, int32_t count) {
     int32_t i = 0;
     while (i < count && line[i].branch != 1) i++;
     if (i == 0 || i == count) return 0.0;
     double before = film_contact_slope(curve, &line[i - 1], line[i].xi), after = film_contact_slope(curve, &line[i], line[i].xi);
-    return fabs(after - before) > KINK * before ? line[i].time : 0.0;
+    return is_kink(before, after) ? line[i].time : 0.0;
 }
 
 /* Force and depth of one contact over time and, unless it is NULL, the slope of the force; without one the contact may yield. */
@@ -55,7 +46,7 @@ static int one_motion(const film_motions *m, const film_curve *curve, const film
     int32_t lines;
     int status = film_record_one(curve, mesh, start, m->lines, m->line_room, &lines, m->events, m->event_room);
     if (status < 0) return status;
-    if (!slope && (legs[2] = yields_at(curve, m->lines, lines)) > 0.0) bend_times(samples / 2 - 1, legs, times);
+    if (!slope && (legs[2] = yields_at(curve, m->lines, lines)) > 0.0) film_bend_times(samples / 2 - 1, legs, times);
     film_routines(m->instructions)->sample(curve, m->lines, lines, times, samples, 1, m->sampled, samples);
     memcpy(depth, m->sampled, (size_t)samples * sizeof *depth);
     memcpy(force, m->sampled + 2 * samples, (size_t)samples * sizeof *force);
@@ -63,28 +54,22 @@ static int one_motion(const film_motions *m, const film_curve *curve, const film
     return status;
 }
 
-int film_motions_by_series(const film_curve *curve, const film_mesh *mesh) {
-    batch_job j;
-    j.curve = curve, j.mesh = mesh;
-    film_prepare_damped(&j);
-    return j.damped.root > 0;
-}
+int film_motions_in_lanes(const film_curve *curve) { return film_has_cubics(curve); }
 
-/* Up to LANES contacts from `first` on by the series of damped ones; their statuses. */
-static void by_series(int instructions, const film_curve *curve, const film_mesh *mesh, int count, const film_start *start,
-                      const motions_wanted *to, int32_t *status) {
-    film_summary summary[LANES];
-    batch_job j;
-    int64_t index[LANES];
-    int in_lanes = 0;
-    give(&j, curve, mesh, start, summary, status);
-    j.motions = to;
-    film_prepare_damped(&j);
-    for (int i = 0; i < count; i++) {
-        status[i] = LEFT_ALONE;
-        if (in_damped_lanes(&j, &start[i]) && isfinite(to->times[(i + 1) * to->samples - 1])) index[in_lanes++] = i;
-    }
-    if (in_lanes > 0) film_routines(instructions)->damped(&j, index, in_lanes);
+/* Whether lanes can run motions on the curve, and what these share. */
+static int by_lanes(const film_curve *curve, int64_t count, const film_start *start, const double *legs, int yields, law_cubics *law,
+                    motions_wanted *to) {
+    double most = 0.0, before, after, force;
+    for (int64_t i = 0; i < count; i++) most = fmax(most, film_farthest(&start[i], legs[3 * i]));
+    if (!film_has_cubics(curve) || !(most > 0.0)) return 0;
+    film_make_cubics(curve, most, law);
+    to->curve = curve, to->law = law, to->kink = 0;
+    if (!yields || curve->stages < 2) return 1;
+    double end = curve->stage[0].end;
+    value_and_slope(&piece_at(curve, 0, end)->force, end, &force, &before);
+    value_and_slope(&piece_at(curve, 1, end)->force, end, &force, &after);
+    to->kink = is_kink(fmax(before, 0.0), fmax(after, 0.0));
+    return 1;
 }
 
 void film_motions_many(const film_motions *m, const film_curves *of, const film_mesh *mesh, int64_t count, const film_start *start,
@@ -95,19 +80,23 @@ void film_motions_many(const film_motions *m, const film_curves *of, const film_
     int alike = of->family == NULL && of->varying == 0 && of->compliance == NULL;
     lines.ways = FILM_LINES_ALONE;
     if (!alike) made = *curve;
-    int32_t known[LANES];
-    int series = alike && slope && film_motions_by_series(curve, mesh);
+    law_cubics law;
+    motions_wanted to;
+    double bad[LANES];
+    int in_lanes = alike && by_lanes(curve, count, start, legs, slope == NULL, &law, &to);
     film_springs_knots(count, m->samples / 2 - 1, legs, times);
     for (int64_t i = 0; i < count; i++, times += m->samples, force += m->samples, depth += m->samples) {
         int status = FILM_BAD_NUMBER;
-        if (series && i % LANES == 0) {
-            const motions_wanted to = {m->samples, times, force, depth, slope + i * m->samples};
-            by_series(m->instructions, curve, mesh, (int)(count - i < LANES ? count - i : LANES), &start[i], &to, known);
+        double *own_slope = slope ? slope + i * m->samples : NULL;
+        if (in_lanes && i % LANES == 0) {
+            to.samples = m->samples, to.start = start + i, to.legs = legs + 3 * i;
+            to.times = times, to.force = force, to.depth = depth, to.slope = own_slope;
+            film_routines(m->instructions)->record(&to, (int)(count - i < LANES ? count - i : LANES), bad);
         }
         double energy = of->family == NULL ? INFINITY : film_most_work(curve, &start[i]);
-        double *own_slope = slope ? slope + i * m->samples : NULL;
-        int done = series && known[i % LANES] == FILM_EVENT;
+        int done = in_lanes && bad[i % LANES] == 0.0;
         if (done) status = FILM_OK;
+        else if (in_lanes) film_springs_knots(1, m->samples / 2 - 1, legs + 3 * i, times);
         for (int again = !done && isfinite(times[m->samples - 1]); again; energy = INFINITY) { /* as march_on */
             status = alike ? FILM_OK : film_curve_of(of, i, energy, &made);
             if (status >= 0) status = one_motion(m, alike ? curve : &made, &lines, &start[i], legs + 3 * i, times, force, depth, own_slope);

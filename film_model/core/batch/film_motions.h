@@ -13,10 +13,10 @@ typedef struct {
     int32_t line_room, event_room, instructions, reserved;
 } film_motions;
 
-/* Whether motions of damped contacts on a curve of all are by the series of lanes. */
-FILM_API int film_motions_by_series(const film_curve *curve, const film_mesh *mesh);
+/* Whether lanes can run motions on a curve of all, without lines. */
+FILM_API int film_motions_in_lanes(const film_curve *curve);
 
-/* Force, depth and, of a reversible law and unless NULL, the slope of its force, of many contacts, by lines, or series, at the times of
+/* Force, depth and, of a reversible law and unless NULL, the slope of its force, of many contacts, in lanes or by lines, at the times of
  * film_springs_knots: times[i samples + k], force[i samples + k]; and the power of film_springs_power. legs get the time at which a
  * contact yields with a kink of its force, else 0. Forces are NaN of a contact that fails, has more lines than there is room, or no
  * finite last time. */

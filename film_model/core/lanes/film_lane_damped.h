@@ -21,8 +21,7 @@ static const double LINEAR_RADIUS = 0.06;
 static const double END_ROUNDING = 1e-12;
 
 enum { MOST_STEPS = 16 }; /* of a contact, per segment of a leg and FEWEST more; longer ones are left to film_marched */
-enum { ROOT_STEPS = 80 }; /* to the time of an event or sample */
-static const double TIME_FOUND = 1e-6; /* last step to the time of a sample, over the length of its step: an error of its square is left */
+enum { ROOT_STEPS = 80 }; /* to the time of an event */
 enum { AT_TURN, AT_STOP, AT_PEAK, AT_RELEASE, MARKS };
 
 typedef double series[TERMS + 1][LANES];
@@ -196,11 +195,10 @@ static void start_damped(const batch_job *j, const int64_t *index, int count, da
     EACH(l) longest[l] *= 1.2 * m / s->nu[l];
     damped_force(form, w, s->z, s->nu, s->peak);
     for (int event = 0; event < MARKS; event++) event_values(form, w, event, s->z, s->nu, s->value[event]);
-    EACH(l) { /* a damping force that begins at 0 rises, an impactor that moves away does not stop, and motions need neither */
+    EACH(l) { /* a damping force that begins at 0 rises, and an impactor that moves away does not stop */
         s->value[AT_PEAK][l] = form->damping > 0 ? 1.0 : s->value[AT_PEAK][l];
         s->value[AT_RELEASE][l] = 1.0;
-        s->passed[AT_STOP][l] = s->value[AT_STOP][l] > 0.0 && j->motions == NULL ? 0.0 : 1.0;
-        s->passed[AT_PEAK][l] = j->motions == NULL ? 0.0 : 1.0;
+        s->passed[AT_STOP][l] = s->value[AT_STOP][l] > 0.0 ? 0.0 : 1.0;
     }
 }
 
@@ -302,72 +300,16 @@ static void step_damped(const damped_form *form, double share, const double *res
     }
 }
 
-/* Where in a step of length h that began at s = 0 the time is t, in lanes that are due: Newton's method, from the right at first touch, where
- * time rises as a power of s, else from `place`. */
-static void place_of_time(const damped_form *form, damped_lanes *restrict w, const double *restrict h, const double *restrict t,
-                          const double *restrict due, double *restrict place) {
-    double moving[LANES], time[LANES], z[LANES], rate[LANES];
-    EACH(l) {
-        place[l] = !(t[l] > 0.0) ? 0.0 : place[l] > 0.0 || w->z[0][l] > 0.0 ? place[l] : h[l];
-        moving[l] = t[l] > 0.0 ? due[l] : 0.0;
-    }
-    for (int i = 0; i < ROOT_STEPS && any(moving); i++) {
-        sum_series(w->time, place, time);
-        sum_series(w->z, place, z);
-        whole_power(z, form->root - 1, rate);
-        EACH(l) {
-            double next = place[l] - (time[l] - t[l]) / (rate[l] > 1e-300 ? rate[l] : 1e-300);
-            next = next > 0.0 ? (next < h[l] ? next : h[l]) : 0.0;
-            double step = fabs(next - place[l]);
-            place[l] = moving[l] > 0.0 ? next : place[l];
-            moving[l] = step > TIME_FOUND * h[l] ? moving[l] : 0.0;
-        }
-    }
-}
-
-/* The samples of all lanes in a step that began at the times `from`; next: of each, the first that is left. */
-static void sample_damped(const batch_job *j, const int64_t *index, int count, damped_lanes *restrict w, const damped_contacts *restrict s,
-                          const double *restrict from, const double *restrict h, int64_t *restrict next) {
-    const damped_form *form = &j->damped;
-    const motions_wanted *to = j->motions;
-    double place[LANES] = {0.0}, t[LANES], due[LANES], z[LANES], nu[LANES], force[LANES], depth[LANES], slope[LANES];
-    for (;;) {
-        for (int l = 0; l < LANES; l++) {
-            double time = l < count && next[l] < to->samples ? to->times[index[l] * to->samples + next[l]] : INFINITY;
-            due[l] = time <= s->time[l] ? 1.0 : 0.0;
-            t[l] = due[l] > 0.0 ? time - from[l] : 0.0;
-        }
-        if (!any(due)) return;
-        place_of_time(form, w, h, t, due, place);
-        sum_series(w->z, place, z);
-        sum_series(w->nu, place, nu);
-        damped_force(form, w, z, nu, force);
-        whole_power(z, form->root, depth);
-        two_powers(z, form->stiffness * form->force / form->root, form->force - form->root,
-                   2.0 * form->stiffness * form->steeper, form->root, slope);
-        for (int l = 0; l < count; l++) {
-            if (!(due[l] > 0.0)) continue;
-            int64_t at = index[l] * to->samples + next[l]++;
-            to->force[at] = force[l], to->depth[at] = depth[l], to->slope[at] = slope[l];
-        }
-    }
-}
-
 /* From first touch to the end of contact. Lanes that do not end in time, or that a load may turn back, are left to
  * film_marched. */
 static void damped_contact_lanes(batch_job *j, const int64_t *index, int count) {
     const damped_form *form = &j->damped;
     damped_lanes w;
     damped_contacts s;
-    double longest[LANES], share = RADIUS / j->mesh->loading, depth[LANES], dent[LANES], from[LANES], h[LANES];
-    int64_t next[LANES] = {0};
+    double longest[LANES], share = RADIUS / j->mesh->loading, depth[LANES], dent[LANES], h[LANES];
     if (form->root == 1 && share > LINEAR_RADIUS) share = LINEAR_RADIUS;
     start_damped(j, index, count, &w, &s, longest);
-    for (int32_t i = 0; i < MOST_STEPS * (FEWEST + j->mesh->loading) && any(s.moving); i++) {
-        memcpy(from, s.time, sizeof from);
-        step_damped(form, share, longest, &w, &s, h);
-        if (j->motions != NULL) sample_damped(j, index, count, &w, &s, from, h, next);
-    }
+    for (int32_t i = 0; i < MOST_STEPS * (FEWEST + j->mesh->loading) && any(s.moving); i++) step_damped(form, share, longest, &w, &s, h);
     whole_power(s.depth, form->root, depth);
     whole_power(s.z, form->root, dent);
     for (int l = 0; l < count; l++) {
@@ -377,10 +319,6 @@ static void damped_contact_lanes(batch_job *j, const int64_t *index, int count) 
         if (s.bad[l] > 0.0 || !(passed > 0.0) || !(s.time[l] <= start->time_limit) || film_grazes(start->load, depth[l], start->nu)) {
             leave_alone(j, index[l]);
             continue;
-        }
-        for (int64_t k = next[l]; j->motions != NULL && k < j->motions->samples; k++) { /* the end, but for the error of its time */
-            int64_t at = index[l] * j->motions->samples + k;
-            j->motions->force[at] = j->motions->slope[at] = 0.0, j->motions->depth[at] = dent[l];
         }
         out->maximum_force = s.peak[l];
         out->maximum_indentation = depth[l];

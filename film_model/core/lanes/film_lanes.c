@@ -3,6 +3,7 @@
 #include "lanes/film_lane_damped.h"
 #include "lanes/film_lane_fixed.h"
 #include "lanes/film_lane_load.h"
+#include "lanes/film_lane_motion.h"
 #include "lanes/film_lane_sample.h"
 #include "lanes/film_lane_spring.h"
 #include "lanes/film_lane_unload.h"
@@ -38,5 +39,5 @@ static void shape_lanes(const batch_job *j, int32_t pieces, const double (*of)[L
 }
 
 FILM_OWN const block_routines FILM_ROUTINES = {shape_lanes, fixed_lanes, spring_lanes, load_lanes, leave_lanes, unload_lanes,
-                                               retrace_lanes, damped_contact_lanes, sample_lanes,
+                                               retrace_lanes, damped_contact_lanes, sample_lanes, record_lanes,
                                                {slide_lanes_double, slide_lanes_single}};

@@ -35,12 +35,21 @@ static inline film_bend film_bend_of(double kink, double turn, int64_t knots) {
     return bend;
 }
 
-/* For film_batch_of and film_motions_many: an impact that lanes cannot run. */
+/* The knots of a way in with the kink of its leg, from those without. */
+static inline void film_bend_times(int64_t knots, const double *leg, double *times) {
+    film_bend bend = film_bend_of(leg[2], leg[0], knots);
+    double at = bend.share * leg[0], early = bend.early / leg[0], late = bend.late / leg[0];
+    if (bend.knot < 0) return;
+    for (int64_t k = 0; k < knots; k++) times[k] = early * fmin(times[k], at) + late * fmax(times[k] - at, 0.0);
+    times[bend.knot] = leg[2];
+}
+
+/* For film_batch_of: an impact that lanes cannot run. */
 enum { LEFT_ALONE = 100 };
 
 /* Leaves an impact to film_marched: at once, or later, when its curve (of its shape, or in series with its spring) is made. */
 static inline void leave_alone(const batch_job *j, int64_t i) {
-    int later = j->family != NULL || j->spring != NULL || j->motions != NULL;
+    int later = j->family != NULL || j->spring != NULL;
     j->status[i] = later ? LEFT_ALONE : film_marched(j->curve, j->mesh, &j->start[i], &j->summary[i]);
 }
 
@@ -95,6 +104,13 @@ static inline int32_t moving_stage(const batch_job *j, double nu, double gamma, 
 
 enum { FEWEST = 3 }; /* segments of a leg on targets that move: fewer are too rough to find the turn from */
 
+/* An indentation that an impact does not reach: it is no deeper than its velocity, and that which its load gives it, takes it until it
+ * turns. 0 of one that lanes do not record. */
+static inline double film_farthest(const film_start *start, double turn) {
+    double reach = (start->nu + start->load * turn) * turn;
+    return reach > CUBIC_LEAST && reach < CUBIC_MOST ? reach : 0.0;
+}
+
 /* Impacts on targets that move, where they are on the law. */
 typedef struct {
     double gamma[LANES], load[LANES];
@@ -138,6 +154,8 @@ typedef struct {
     /* the five values of film_evaluate at times on a contact's lines: value k of time i to values[k stride + i]; or rough ones */
     void (*sample)(const film_curve *curve, const film_line *lines, int32_t line_count, const double *times, int64_t count,
                    int rough, double *values, int64_t stride);
+    /* up to LANES motions; bad: > 0 where lanes cannot run it */
+    void (*record)(const motions_wanted *m, int count, double *bad);
     /* film_springs_many, in numbers of double precision, and of single */
     void (*slide[2])(int64_t count, const int64_t *places, int32_t springs, int32_t estimated, const double *numbers, const double *friction, int32_t rows,
                      int shared, int64_t steps, int64_t knots, const double *force, const double *radius, film_springs_brief *results);

@@ -74,16 +74,41 @@ typedef struct {
     double stiffness, steeper, factor, faster;
 } damped_form;
 
-/* Where the motions of impacts go, over ascending times: values of impact i from i samples on. slope: of the force without damping. */
+/* A law as cubics in the indentation since the beginning of a stage, eight between one and its double, as a force may begin a stage as a
+ * root: in stage k the one whose number is that of the first bits of that indentation, at least least[k], less first[k]. They hold up to
+ * the indentation `most`. Error: below 4e-7 of the force. */
+enum { CUBIC_SHIFT = 49, CUBIC_ROWS = 1536, DAMPED_ROWS = 8 * 72 };
+#define CUBIC_LEAST 0x1p-40
+#define CUBIC_MOST 0x1p+31
 typedef struct {
+    double from, force[4]; /* coefficients of powers of what is beyond `from` */
+} law_cubic;
+typedef struct {
+    double begin[FILM_MAX_STAGES], least[FILM_MAX_STAGES], most;
+    int64_t first[FILM_MAX_STAGES];
+    int32_t stages, damped;
+    law_cubic row[CUBIC_ROWS];
+    double damping[DAMPED_ROWS][4]; /* of the only stage */
+} law_cubics;
+
+/* Of a law that neither pulls nor is in series with a spring, nor has many stages, for indentations up to `most`, at least CUBIC_LEAST. */
+int film_has_cubics(const film_curve *curve);
+void film_make_cubics(const film_curve *curve, double most, law_cubics *to);
+
+/* What motions of impacts in lanes are from, and where they go: at ascending times, values of impact i from i samples on. legs: as of
+ * film_motions_many. kink: 1 if the slope of the law jumps where its first stage ends. slope: of the force without damping; NULL if the law
+ * yields. */
+typedef struct {
+    const film_curve *curve;
+    const law_cubics *law;
+    const film_start *start;
     int64_t samples;
-    const double *times;
-    double *force, *depth, *slope;
+    int kink;
+    double *legs, *times, *force, *depth, *slope;
 } motions_wanted;
 
 /* A batch, and what its impacts share. */
 typedef struct {
-    const motions_wanted *motions; /* of damped impacts in lanes; NULL: none */
     const film_family *family; /* NULL: all impacts share the curve */
     const double *shape;
     const double *spring; /* compliance in series with each contact; NULL: none */

@@ -100,13 +100,13 @@ static void plan_steps(const spring_group *restrict g, const group_steps *restri
 /* How far the far points move in a step, and the signs of contacts that slide on; whether all do. one: 1 if friction is one number. */
 CALLED int begin_step(const spring_group *restrict g, const group_steps *restrict s, const real *restrict way, int one,
                       real *restrict moved, real *restrict sign) {
-    real slide = 0.0f;
+    int32_t slide = 1;
     EACH_SPRUNG(l) {
         moved[l] = (g->v[l] - s->h[l] * (0.5f * g->q[l] + g->rise[l] * s->ratio[l] * (real)(1.0 / 6))) * s->h[l];
         sign[l] = one && g->slides[l] * moved[l] > g->friction[l] * way[l] ? g->slides[l] : 0.0f;
     }
-    for (int l = 0; l < SPRUNG; l++) slide += sign[l] * sign[l];
-    return slide == SPRUNG;
+    EACH_SPRUNG(l) slide &= sign[l] != 0.0f;
+    return slide;
 }
 
 /* The springs of contacts that all slide. */
@@ -121,13 +121,13 @@ CALLED void put_limits(spring_group *restrict g, int32_t last) {
 /* The springs that slip or stick. */
 CALLED void move_springs(spring_group *restrict g, const real *restrict top, const real *restrict share, const real *restrict touch,
                          const real *restrict moved, int watched, real *restrict sum) {
-    real per_grown[SPRUNG], per_share[SPRUNG], most = 0.0f, fewest = FILM_MOST_SPRINGS;
-    for (int l = 0; l < SPRUNG; l++) {
-        real fewer = touch[l] < g->met[l] ? touch[l] : g->met[l], more = touch[l] + g->met[l] - fewer;
-        fewest = fewer < fewest ? fewer : fewest;
-        most = more > most ? more : most;
+    real per_grown[SPRUNG], per_share[SPRUNG];
+    int32_t last = 0, least = FILM_MOST_SPRINGS;
+    EACH_SPRUNG(l) {
+        int32_t now = (int32_t)touch[l], before = (int32_t)g->met[l], fewer = now < before ? now : before, more = now + before - fewer;
+        least = fewer < least ? fewer : least;
+        last = more > last ? more : last;
     }
-    int32_t last = (int32_t)most, least = (int32_t)fewest;
     EACH_SPRUNG(l) {
         real grown = top[l] - g->top[l];
         per_grown[l] = 1.0f / (grown > LEAST_RISE ? grown : LEAST_RISE);
@@ -204,9 +204,9 @@ typedef struct {
 /* Value 0 of a cubic whose values 1 to 4 have a stride. */
 static double before_cubic(const double *value, int64_t by) { return 4.0 * (value[by] + value[3 * by]) - 6.0 * value[2 * by] - value[4 * by]; }
 
-/* Force and radius at four knots in a row. */
-INLINED void put_knots(sliding_group *restrict s, int l, const double *force, const double *radius) {
-    for (int k = 0; k < 4; k++) s->near_forces[k][l] = (real)(force[k] * s->unit[l]), s->near_radii[k][l] = (real)radius[k];
+/* Force and radius at four knots in a row, but for the first `known`. */
+INLINED void put_knots(sliding_group *restrict s, int l, int64_t known, const double *force, const double *radius) {
+    for (int64_t k = known; k < 4; k++) s->near_forces[k][l] = (real)(force[k] * s->unit[l]), s->near_radii[k][l] = (real)radius[k];
 }
 
 /* The four knots from `first` on of a leg with a kink, by cubics on the side of the kink on which their steps are. */
@@ -223,16 +223,19 @@ static void bend_knots(sliding_group *restrict s, int l, int64_t first, int64_t 
         radius[knot - first] = left[1];
         if (first + 2 == knot) force[3] = before_cubic(at + 1, -1), radius[3] = before_cubic(left, 1);
     }
-    put_knots(s, l, force, radius);
+    put_knots(s, l, 0, force, radius);
 }
 
 /* The four knots from `first` of a leg on, whose values begin at `begin`; the last four were from `before` on. */
 CALLED void take_knots(sliding_group *restrict s, int out, int64_t begin, int64_t first, int64_t before) {
+    int64_t known = first == before + 1 ? 3 : 0;
     if (first == before) return;
+    memmove(s->near_forces, s->near_forces + 4 - known, (size_t)known * sizeof s->near_forces[0]);
+    memmove(s->near_radii, s->near_radii + 4 - known, (size_t)known * sizeof s->near_radii[0]);
     for (int l = 0; l < SPRUNG; l++) {
         int64_t knot = s->bend[out][l].knot;
         if (first <= knot && knot <= first + 3) bend_knots(s, l, first, knot);
-        else put_knots(s, l, s->forces[l] + begin + first, s->radii[l] + begin + first);
+        else put_knots(s, l, knot == before ? 0 : known, s->forces[l] + begin + first, s->radii[l] + begin + first);
     }
 }
 

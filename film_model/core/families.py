@@ -9,7 +9,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from film_model.core import native
-from film_model.core.records import EVENTS, LINES
 
 
 @native.CORE.structure("film_family")
@@ -36,11 +35,6 @@ class Family(c.Structure):
 @native.CORE.structure("film_curves")
 class _Curves(c.Structure):
     """Curves of many contacts. What they point to is kept alive as `held`."""
-
-
-@native.MOTIONS.structure("film_motions")
-class _Room(c.Structure):
-    """Memory for the motions of many contacts."""
 
 
 def shaped(family: Family, whole: native.Curve, shape: float | NDArray[np.float64]) -> native.Curve:
@@ -94,11 +88,6 @@ def batch(
     return status, summary
 
 
-def in_lanes(curve: native.Curve) -> bool:
-    """Whether :func:`motions` on the curve, shared by all, are without lines."""
-    return bool(native.library().film_motions_in_lanes(c.byref(curve)))
-
-
 class Motions(NamedTuple):
     """Forces and depths of many contacts, over scales, (contacts, times); nan without a record. legs: times of the
     turn, the end, and of yield or 0. slope: of the force, of a reversible law. power: of the contact radius with which
@@ -111,22 +100,15 @@ class Motions(NamedTuple):
     power: NDArray[np.float64]
 
 
-def motions(
-    rows: Rows, cut: native.Mesh, start: NDArray[Any], legs: NDArray[np.float64], knots: int, reversible: bool
-) -> Motions:
-    """The motions of many contacts (START_DTYPE) by lines or `in_lanes`, at so many knots of legs whose turn and end
-    are known, (contacts, 2)."""
+def motions(rows: Rows, start: NDArray[Any], legs: NDArray[np.float64], knots: int, reversible: bool) -> Motions:
+    """The motions of contacts (START_DTYPE) at so many knots of legs whose turn and end are known, (contacts, 2)."""
     start, curves = np.ascontiguousarray(start, native.START_DTYPE), rows.for_core()
     legs, shape = np.pad(legs, ((0, 0), (0, 1))), (len(legs), 2 * (knots + 1))
     times, force, depth, slope = (np.empty(shape) for _ in range(4))
-    power, sampled = np.empty(len(legs)), np.empty(5 * shape[1])
-    most = 4 * LINES
-    lines, events = np.empty(most, native.LINE_DTYPE), np.empty(EVENTS * native.STATE_DTYPE.itemsize, np.uint8)
-    memory = [array.ctypes.data for array in (lines, events, sampled)]
-    room = _Room(*memory, shape[1], most, EVENTS, native.instructions(), 0)
+    power = np.empty(len(legs))
     found = [array.ctypes.data for array in (legs, times, force, depth)]
     native.library().film_motions_many(
-        *(c.byref(room), c.byref(curves), c.byref(cut), start.size, start.ctypes.data),
+        *(native.instructions(), c.byref(curves), start.size, start.ctypes.data, shape[1]),
         *(*found, slope.ctypes.data if reversible else None, power.ctypes.data),
     )
     return Motions(legs, force, depth, slope if reversible else None, power)

@@ -99,7 +99,7 @@ class Summary(c.Structure):
     """What one contact did."""
 
 
-SOLVE, MOTIONS = Header("march/film_solve.h", CORE), Header("batch/film_motions.h", CORE)
+SOLVE = Header("march/film_solve.h", CORE)
 
 
 @SOLVE.structure("film_solution")
@@ -123,7 +123,7 @@ def library() -> Any:
     if not os.path.exists(path):
         raise ImportError(f"{path} is missing: install the package (pip install .), which compiles it")
     lib = c.CDLL(path)
-    for header in (CORE, SOLVE, Header("batch/film_many.h", CORE), MOTIONS):
+    for header in (CORE, SOLVE, *(Header(f"batch/film_{name}.h", CORE) for name in ("many", "motions"))):
         header.declare(lib)
     check_sizes(lib, "film_sizes", Curve, Mesh, Line, State, Summary)
     return lib

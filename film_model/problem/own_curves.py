@@ -66,11 +66,9 @@ class OwnCurves(NamedTuple):
             return native.batch(curve.native, mesh, start)
         return families.batch(self._rows(curve), mesh, start)
 
-    def motions(
-        self, curve: Curve, mesh: native.Mesh, start: NDArray[Any], legs: Array, knots: int, reversible: bool
-    ) -> families.Motions:
+    def motions(self, curve: Curve, start: NDArray[Any], legs: Array, knots: int, reversible: bool) -> families.Motions:
         """The motions of impacts as `families.motions`. curve: as in `march`."""
-        return families.motions(self._rows(curve), mesh, start, legs, knots, reversible)
+        return families.motions(self._rows(curve), start, legs, knots, reversible)
 
     def _rows(self, curve: Curve) -> families.Rows:
         page, shape, varied, spring = self

@@ -308,9 +308,9 @@ class Problem:
         status, table = self.own.march(self._shared_curve, mesh, self.start)
         return status, Columns(table)
 
-    def motions(self, mesh: native.Mesh, legs: Array, knots: int) -> Motions:
-        """Of many impacts, by lines, at knots of legs over the scales, as `families.motions`."""
-        return self.own.motions(self._shared_curve, mesh, self.start, legs, knots, self.curve.reversible)
+    def motions(self, legs: Array, knots: int) -> Motions:
+        """Of many impacts, at knots of legs over the scales, as `families.motions`."""
+        return self.own.motions(self._shared_curve, self.start, legs, knots, self.curve.reversible)
 
     @property
     def _shared_curve(self) -> Curve:

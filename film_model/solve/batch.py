@@ -245,7 +245,7 @@ def simulate_many(scene: Scene, columns: Mapping[str, Array], solver: Solver | N
         from film_model.solve.many_springs import Normal
 
         turn, end = summary["time_of_maximum_indentation"], summary["contact_duration"]
-        normal = Normal(status, segments, summary["rebound_velocity"], turn, end, estimated)
+        normal = Normal(status, summary["rebound_velocity"], turn, end, estimated)
         oblique, left = oblique_of_many(problems, normal, solver)
         for row in left.tolist():
             _one_oblique(oblique, scene, columns, row, solver)

@@ -3,25 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from film_model.base.arrays import Array, Index, column
-from film_model.core import families, native
+from film_model.core import native
 from film_model.core import springs as core
 from film_model.core.friction import COARSE, ERRORS, EXACT, QUICK
-from film_model.core.solving import MOST_SEGMENTS
 from film_model.oblique import springs
 from film_model.oblique.friction import normal_impulse, radius_beyond_yield, results, slid
 from film_model.oblique.result import BOUNDS, MODELLED
 from film_model.problem.problem import Problem
 from film_model.scene import DEFAULT_ACCURACY, Solver
 from film_model.scene.rolling import sliding_of
-from film_model.solve.accuracy import mesh_of
-from film_model.solve.many_meshes import recorded_segments
 
 KNOTS = 32
 """Of each leg of contact at which a motion is sampled, for accuracies from 1e-4 on."""
@@ -41,11 +38,9 @@ SAMPLES = 65_536
 
 
 class Normal(NamedTuple):
-    """Normal motions. status: the core's. segments: of the march. rebound: m/s. turn, end: times, s. estimated:
-    relative error."""
+    """Normal motions. status: the core's. rebound: m/s. turn, end: times, s. estimated: relative error."""
 
     status: NDArray[np.int32]
-    segments: NDArray[np.int32]
     rebound: Array
     turn: Array
     end: Array
@@ -53,7 +48,7 @@ class Normal(NamedTuple):
 
     def of(self, rows: Any) -> Normal:
         """Some of them."""
-        return Normal(self.status[rows], self.segments[rows], *(values[rows] for values in self[2:]))
+        return Normal(self.status[rows], *(values[rows] for values in self[1:]))
 
 
 def coarseness(solver: Solver) -> int:
@@ -71,23 +66,12 @@ def by_springs(
     More springs follow impacts until the estimate meets the accuracy, or `MODELLED` if the law yields; where the exact
     solution is not coarse there are as many as possible from the start, for results that are smooth over the impacts.
     """
-    recorded = 5  # segments of a loading stage with which motions under laws that yield are recorded
-    accuracy = solver.accuracy or DEFAULT_ACCURACY
-    tolerance = accuracy if problem.curve.reversible else max(accuracy, MODELLED)
+    accuracy, yields = solver.accuracy or DEFAULT_ACCURACY, not problem.curve.reversible
+    tolerance = max(accuracy, MODELLED) if yields else accuracy
     levels = springs.LEVELS if coarseness(solver) else springs.LEVELS[-1:]
-    segments, yields = normal.segments, not problem.curve.reversible
-    damped, finer = problem.damping > 0.0, segments
-    few = yields and coarseness(solver) and solver.accuracy is not None and solver.linearisation != "chord"
-    if few or (problem.own.alike and families.in_lanes(problem.curve.native)):
-        segments = np.tile(np.array(problem.curve.segments(recorded), np.int32), (len(segments), 1))
-    else:
-        segments = recorded_segments(problem, solver, segments)
-        # of damped motions twice those with which the ends meet the accuracy: the force between is up to 1e-3 less
-        # exact (tests/test_friction_estimate.py)
-        segments = np.minimum(np.where(damped[:, None], 2 * segments, segments), MOST_SEGMENTS)
     impulse = normal_impulse(problem.impacts.scene, problem, normal.rebound, normal.end)
-    impulse, legs = column(impulse, len(segments)), np.stack([normal.turn, normal.end], axis=1)
-    motions = _Motions(problem, segments, np.maximum(segments, finer), legs, impulse, solver)
+    legs = np.stack([normal.turn, normal.end], axis=1)
+    motions = _Motions(problem, legs, column(impulse, len(legs)))
     return _followed(motions, normal, tolerance, levels, 2 if bounded and yields else 1)
 
 
@@ -115,30 +99,16 @@ class _Samples(NamedTuple):
 
 @dataclass(frozen=True)
 class _Motions:
-    """Normal motions of impacts, by lines on their curves. segments: of their meshes; finer: of those that are not
-    exact enough. legs: times of turn and end, s, (impacts, 2). impulse: N·s."""
+    """Normal motions of impacts. legs: times of turn and end, s, (impacts, 2). impulse: N·s."""
 
     problem: Problem
-    segments: NDArray[np.int32]
-    finer: NDArray[np.int32]
     legs: Array
     impulse: Array
-    solver: Solver
-
-    def blocks(self, places: Index, knots: int) -> Iterator[Index]:
-        """These impacts in parts of one mesh each, whose samples a processor's cache holds."""
-        inwards, outwards = self.segments[places].T
-        _, group = np.unique(inwards * (MOST_SEGMENTS + 1) + outwards, return_inverse=True)
-        at_once = max(SAMPLES // (2 * knots + 2), 1)
-        for k in range(int(group.max(initial=-1)) + 1):
-            alike = places[group.ravel() == k]
-            yield from np.split(alike, range(at_once, alike.size, at_once))
 
     def sampled(self, places: Index, knots: int) -> Iterator[tuple[Index, _Samples]]:
-        """These impacts at as many knots, or at twice as many on finer meshes where they are rough or their impulse is
-        not exact."""
+        """These impacts at as many knots, or at twice as many where they are rough or their impulse is not exact."""
         left = list[Index]()
-        for some in self.blocks(places, knots):
+        for some in _parts(places, knots):
             found = self.at(some, knots)
             if not self.problem.curve.reversible:
                 rough = (found.missed > MISSED) | (found.roughness > ROUGH)
@@ -146,17 +116,14 @@ class _Motions:
                     left.append(some[rough])
                     some, found = some[~rough], found.of(~rough)
             yield some, found
-        again = replace(self, segments=self.finer)
-        for some in self.blocks(np.concatenate([*left, np.arange(0)]), 2 * knots):
-            yield some, again.at(some, 2 * knots)
+        for some in _parts(np.concatenate([*left, np.arange(0)]), 2 * knots):
+            yield some, self.at(some, 2 * knots)
 
     def at(self, places: Index, knots: int) -> _Samples:
         """Some impacts at the knots of their legs."""
         problem = self.problem.part(places)
         scales = problem.scales.part((slice(None), None))
-        counts = self.segments[places[0]].tolist()
-        mesh = mesh_of(self.solver, (counts[0], counts[1]))
-        legs, force, depth, slope, power = problem.motions(mesh, self.legs[places] / scales.time, knots)
+        legs, force, depth, slope, power = problem.motions(self.legs[places] / scales.time, knots)
         force = np.maximum(force, 0.0, out=force) * scales.force
         legs *= scales.time
         missed = abs(core.impulses(force, legs) / self.impulse[places] - 1.0)
@@ -170,6 +137,12 @@ class _Motions:
         first, second = core.radii(force, depth, law, 1.0)
         second /= column(problem.scene.effective_modulus, places.size)[:, None]
         return _Samples(legs, force, (first, second), power, missed)
+
+
+def _parts(places: Index, knots: int) -> Iterator[Index]:
+    """Impacts whose samples a processor's cache holds."""
+    at_once = max(SAMPLES // (2 * knots + 2), 1)
+    yield from np.split(places, range(at_once, places.size, at_once)) if places.size else ()
 
 
 def _followed(

@@ -62,14 +62,13 @@ def _impacts(scene: Scene, columns: Mapping[str, Array]) -> ManyOblique:
     """The tangential parts of impacts; none of those on targets that vibrate."""
     # below the accuracies from which a table of friction and fewer springs serve
     count, solver = len(next(iter(columns.values()))), Solver(1e-8)
-    status, segments = np.full(count, native.BAD_NUMBER, np.int32), np.zeros((count, 2), np.int32)
+    status = np.full(count, native.BAD_NUMBER, np.int32)
     rebound, turn, end, estimated = np.full((4, count), np.nan)
     problems = problems_of(scene, columns, count, status)
     for problem in problems:
         rows, made = rows_of(problem), march_many(problem, solver)
         values = summary_of(problem, made.status, made.core)
-        status[rows], segments[rows] = made.status, made.segments
+        status[rows], estimated[rows] = made.status, made.estimated
         rebound[rows], end[rows] = values["rebound_velocity"], values["contact_duration"]
         turn[rows] = values["time_of_maximum_indentation"]
-        estimated[rows] = made.estimated
-    return oblique_of_many(problems, Normal(status, segments, rebound, turn, end, estimated), solver, bounded=False)[0]
+    return oblique_of_many(problems, Normal(status, rebound, turn, end, estimated), solver, bounded=False)[0]

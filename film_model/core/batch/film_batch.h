@@ -11,6 +11,9 @@ const block_routines *film_routines(int instructions);
  * would be slower. */
 int film_single(const film_curve *curve, const film_mesh *mesh, const film_start *start, film_summary *summary, int32_t *status);
 
+/* The motion of one contact on a curve of its own, as lanes record it. */
+void film_record_alone(const motions_wanted *m, double *bad);
+
 /* Contacts on curves of their own, for those of them that lanes can run: in blocks, or of curves that vary one after another. The
  * others have the status LEFT_ALONE. */
 void film_run_rows(int instructions, const film_curves *of, const film_mesh *mesh, int64_t count, const film_start *start,

@@ -5,7 +5,8 @@
 
 #include <string.h>
 
-int film_record_one(const film_curve *curve, const film_mesh *mesh, const film_start *s, film_line *lines, int64_t line_room,
+/* The lines of one contact that begins with a velocity; *line_count is 0 if it fails. film_record's status. */
+static int record_one(const film_curve *curve, const film_mesh *mesh, const film_start *s, film_line *lines, int64_t line_room,
                     int32_t *line_count, film_state *events, int32_t event_room) {
     film_state state;
     film_summary summary;
@@ -23,7 +24,7 @@ int64_t film_record_many(const film_curve *curve, const film_mesh *mesh, int64_t
     film_mesh own = *mesh;
     own.ways = FILM_LINES_ALONE;
     for (int64_t i = 0; i < count; i++) {
-        if (film_record_one(curve, &own, &start[i], lines, line_room, &line_counts[i], events, event_room) == FILM_FULL) return i;
+        if (record_one(curve, &own, &start[i], lines, line_room, &line_counts[i], events, event_room) == FILM_FULL) return i;
         lines += line_counts[i];
         line_room -= line_counts[i];
     }
@@ -58,7 +59,7 @@ void film_sample_many(int instructions, const film_curve *curve, int64_t count, 
     for (int64_t i = 0, stride = count * samples; i < count; i++) {
         const double *own = &times[i * samples];
         int known = line_counts[i] > 0 && samples > 0 && isfinite(own[samples - 1]);
-        if (known) run->sample(curve, lines, line_counts[i], own, samples, 0, &values[i * samples], stride);
+        if (known) run->sample(curve, lines, line_counts[i], own, samples, &values[i * samples], stride);
         else sample_nothing(samples, &values[i * samples], stride);
         lines += line_counts[i];
     }

@@ -4,10 +4,6 @@
 
 #include "film_core.h"
 
-/* The lines of one contact that begins with a velocity; *line_count is 0 if it fails. film_record's status. */
-int film_record_one(const film_curve *curve, const film_mesh *mesh, const film_start *start, film_line *lines, int64_t line_room,
-                    int32_t *line_count, film_state *events, int32_t event_room);
-
 /* film_record by lines alone for many contacts: lines one after the other, line_counts[i] of contact i, 0 if it fails or does
  * not begin with a velocity. Returns how many contacts were recorded: all, or those before the first that does not fit. */
 FILM_API int64_t film_record_many(const film_curve *curve, const film_mesh *mesh, int64_t count, const film_start *start,

@@ -2,7 +2,6 @@
 #include "batch/film_motions.h"
 
 #include "batch/film_batch.h"
-#include "batch/film_many.h"
 #include "oblique/film_springs.h"
 
 #include <math.h>
@@ -30,80 +29,49 @@ void film_springs_knots(int64_t count, int64_t knots, const double *legs, double
 /* Whether cubics across a change of the slope of a force where a contact yields do not follow it: by more than a quarter. */
 static int is_kink(double before, double after) { return fabs(after - before) > 0.25 * before; }
 
-/* When a contact leaves the first stage of its law, at which it yields, if its slope has a kink there; else 0. */
-static double yields_at(const film_curve *curve, const film_line *line, int32_t count) {
-    int32_t i = 0;
-    while (i < count && line[i].branch != 1) i++;
-    if (i == 0 || i == count) return 0.0;
-    double before = film_contact_slope(curve, &line[i - 1], line[i].xi), after = film_contact_slope(curve, &line[i], line[i].xi);
-    return is_kink(before, after) ? line[i].time : 0.0;
+/* Whether the slope of a force has a kink where contacts yield. */
+static int has_kink(const film_curve *curve) {
+    film_line line = {.branch = 0};
+    if (curve->stages < 2) return 0;
+    double end = curve->stage[0].end, before = film_contact_slope(curve, &line, end);
+    line.branch = 1;
+    return is_kink(before, film_contact_slope(curve, &line, end));
 }
 
-/* Force and depth of one contact over time and, unless it is NULL, the slope of the force; without one the contact may yield. */
-static int one_motion(const film_motions *m, const film_curve *curve, const film_mesh *mesh, const film_start *start,
-                      double *legs, double *times, double *force, double *depth, double *slope) {
-    int64_t samples = m->samples;
-    int32_t lines;
-    int status = film_record_one(curve, mesh, start, m->lines, m->line_room, &lines, m->events, m->event_room);
-    if (status < 0) return status;
-    if (!slope && (legs[2] = yields_at(curve, m->lines, lines)) > 0.0) film_bend_times(samples / 2 - 1, legs, times);
-    film_routines(m->instructions)->sample(curve, m->lines, lines, times, samples, 1, m->sampled, samples);
-    memcpy(depth, m->sampled, (size_t)samples * sizeof *depth);
-    memcpy(force, m->sampled + 2 * samples, (size_t)samples * sizeof *force);
-    if (slope) film_springs_slopes(curve, samples, force, depth, slope);
-    return status;
-}
-
-int film_motions_in_lanes(const film_curve *curve) { return film_has_cubics(curve); }
-
-/* Whether lanes can run motions on the curve, and what these share. */
-static int by_lanes(const film_curve *curve, int64_t count, const film_start *start, const double *legs, int yields, law_cubics *law,
-                    motions_wanted *to) {
-    double most = 0.0, before, after, force;
+/* Whether contacts on a curve of all run in lanes, and what these share. */
+static int by_lanes(const film_curve *curve, int64_t count, const film_start *start, const double *legs, law_cubics *law) {
+    double most = 0.0;
     for (int64_t i = 0; i < count; i++) most = fmax(most, film_farthest(&start[i], legs[3 * i]));
     if (!film_has_cubics(curve) || !(most > 0.0)) return 0;
     film_make_cubics(curve, most, law);
-    to->curve = curve, to->law = law, to->kink = 0;
-    if (!yields || curve->stages < 2) return 1;
-    double end = curve->stage[0].end;
-    value_and_slope(&piece_at(curve, 0, end)->force, end, &force, &before);
-    value_and_slope(&piece_at(curve, 1, end)->force, end, &force, &after);
-    to->kink = is_kink(fmax(before, 0.0), fmax(after, 0.0));
     return 1;
 }
 
-void film_motions_many(const film_motions *m, const film_curves *of, const film_mesh *mesh, int64_t count, const film_start *start,
-                       double *legs, double *times, double *force, double *depth, double *slope, double *power) {
-    const film_curve *curve = of->curve;
-    film_mesh lines = *mesh;
-    film_curve made;
+void film_motions_many(int instructions, const film_curves *of, int64_t count, const film_start *start, int64_t samples, double *legs,
+                       double *times, double *force, double *depth, double *slope, double *power) {
     int alike = of->family == NULL && of->varying == 0 && of->compliance == NULL;
-    lines.ways = FILM_LINES_ALONE;
-    if (!alike) made = *curve;
     law_cubics law;
-    motions_wanted to;
+    film_curve made = *of->curve;
     double bad[LANES];
-    int in_lanes = alike && by_lanes(curve, count, start, legs, slope == NULL, &law, &to);
-    film_springs_knots(count, m->samples / 2 - 1, legs, times);
-    for (int64_t i = 0; i < count; i++, times += m->samples, force += m->samples, depth += m->samples) {
-        int status = FILM_BAD_NUMBER;
-        double *own_slope = slope ? slope + i * m->samples : NULL;
-        if (in_lanes && i % LANES == 0) {
-            to.samples = m->samples, to.start = start + i, to.legs = legs + 3 * i;
-            to.times = times, to.force = force, to.depth = depth, to.slope = own_slope;
-            film_routines(m->instructions)->record(&to, (int)(count - i < LANES ? count - i : LANES), bad);
+    motions_wanted to = {.curve = alike ? of->curve : &made, .samples = samples};
+    if (alike && by_lanes(of->curve, count, start, legs, &law)) to.law = &law;
+    int64_t step = to.law ? LANES : 1;
+    film_springs_knots(count, samples / 2 - 1, legs, times);
+    for (int64_t i = 0; i < count; i += step) {
+        int own = (int)(count - i < step ? count - i : step);
+        to.start = start + i, to.legs = legs + 3 * i, to.times = times + i * samples;
+        to.force = force + i * samples, to.depth = depth + i * samples, to.slope = slope ? slope + i * samples : NULL;
+        bad[0] = 1.0;
+        double energy = of->family ? film_most_work(of->curve, &start[i]) : INFINITY;
+        if (alike || film_curve_of(of, i, energy, &made) >= 0) {
+            to.kink = !slope && has_kink(to.curve);
+            if (to.law) film_routines(instructions)->record(&to, own, bad);
+            else film_record_alone(&to, bad);
         }
-        double energy = of->family == NULL ? INFINITY : film_most_work(curve, &start[i]);
-        int done = in_lanes && bad[i % LANES] == 0.0;
-        if (done) status = FILM_OK;
-        else if (in_lanes) film_springs_knots(1, m->samples / 2 - 1, legs + 3 * i, times);
-        for (int again = !done && isfinite(times[m->samples - 1]); again; energy = INFINITY) { /* as march_on */
-            status = alike ? FILM_OK : film_curve_of(of, i, energy, &made);
-            if (status >= 0) status = one_motion(m, alike ? curve : &made, &lines, &start[i], legs + 3 * i, times, force, depth, own_slope);
-            again = status == FILM_BEYOND_LAW && energy < INFINITY;
+        for (int l = 0; l < own; l++) {
+            power[i + l] = film_springs_power(to.curve);
+            for (int64_t k = 0; k < samples && bad[l] > 0.0; k++) to.force[l * samples + k] = NAN;
         }
-        power[i] = film_springs_power(alike ? curve : &made);
-        for (int64_t k = 0; k < m->samples && status < 0; k++) force[k] = NAN;
     }
 }
 

@@ -7,6 +7,8 @@
 #include "batch/film_blocks.h"
 #include "lanes/film_lanes.c"
 
+void film_record_alone(const motions_wanted *m, double *bad) { one_lane.record(m, 1, bad); }
+
 /* Work, force and slope where a piece ends, INFINITY where it does not: at the end of a series' interval by the sums of its
  * terms, T_k(1) = 1 and T_k'(1) = k^2. */
 static void look_at_end(batch_job *j, int32_t p) {

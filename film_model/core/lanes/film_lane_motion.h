@@ -6,11 +6,13 @@
 #include "lanes/film_lane_law.h"
 
 /* Impacts between two times. leaves: 1 on the branch most ((xi - origin) per)^exponent + shift, else 0, on the loading curve; some, all: as
- * flags of all lanes together. */
+ * flags of all lanes together. run: of the only impact that has a curve of its own. */
 typedef struct {
+    const motions_wanted *m;
     double gamma[LANES], load[LANES], damper[LANES], speed[LANES], bad[LANES], leaves[LANES];
     double origin[LANES], per[LANES], exponent[LANES], most[LANES], shift[LANES];
-    double xi[LANES], nu[LANES], force[LANES], slope[LANES]; /* slope: of the force without damping on the loading curve */
+    double xi[LANES], nu[LANES], force[LANES], slope[LANES]; /* slope: of the force without damping on the loading curve, if asked for */
+    film_line run;
     int some, all, powers; /* powers: 1 if not all exponents are 3/2 */
 } moving_lanes;
 
@@ -19,7 +21,7 @@ enum { SINGLE = 4 }; /* steps over one sample, at first touch */
 /* What is left of the velocity where lanes should turn, and of the force where contact should end, at most. */
 static const double NEAR = 1e-3;
 
-/* The force on the loading curve. */
+/* The force on the loading curve, and its slope unless NULL. */
 static void cubic_lanes(const law_cubics *law, const double *restrict xi, double *restrict force, double *restrict slope, double *restrict damping) {
     double x[LANES], most[LANES], least[LANES];
     uint64_t bits[LANES];
@@ -41,7 +43,7 @@ static void cubic_lanes(const law_cubics *law, const double *restrict xi, double
         const double *c = at->force;
         double w = x[l] - at->from;
         force[l] = c[0] + w * (c[1] + w * (c[2] + w * c[3]));
-        slope[l] = c[1] + w * (2.0 * c[2] + w * (3.0 * c[3]));
+        if (slope) slope[l] = c[1] + w * (2.0 * c[2] + w * (3.0 * c[3]));
     }
     for (int l = 0; law->damped && l < LANES; l++) {
         const double *c = law->damping[row[l]];
@@ -68,13 +70,36 @@ static void branch_lanes(const moving_lanes *restrict s, const double *restrict 
     }
 }
 
-/* The force at indentations and velocities. */
-static void moving_force(const law_cubics *law, const moving_lanes *restrict s, const double *restrict xi, const double *restrict nu,
-                         double *restrict force, double *restrict slope) {
+/* The stage of a curve that holds xi. */
+static int32_t stage_at(const film_curve *curve, double xi) {
+    int32_t k = 0;
+    while (k + 1 < curve->stages && xi >= curve->stage[k].end) k++;
+    return k;
+}
+
+/* cubic_lanes and branch_lanes of the only impact, on its own curve. */
+static void force_on_curve(const film_curve *curve, const film_line *run, double xi, double *force, double *slope, double *damping) {
+    film_line at = *run;
+    double work;
+    if (at.branch >= 0) at.branch = stage_at(curve, xi);
+    if (at.branch >= 0 && curve->compliance == 0.0) *force = value_at(&piece_at(curve, at.branch, xi)->force, xi);
+    else law_at(curve, &at, xi, force, &work);
+    if (slope) *slope = film_contact_slope(curve, &at, xi);
+    *damping = at.branch >= 0 && curve->stage[at.branch].damped ? value_at(&piece_at(curve, at.branch, xi)->damping, xi) : 0.0;
+}
+
+/* The force at indentations and velocities, and the slope of the loading curve unless NULL. */
+static void moving_force(const moving_lanes *restrict s, const double *restrict xi, const double *restrict nu, double *restrict force,
+                         double *restrict slope) {
+    const law_cubics *law = s->m->law;
     double c[LANES];
-    if (!s->all) cubic_lanes(law, xi, force, slope, c);
-    if (s->some) branch_lanes(s, xi, force);
-    if (!law->damped) return;
+    if (!law) {
+        force_on_curve(s->m->curve, &s->run, xi[0], force, slope, c);
+    } else {
+        if (!s->all) cubic_lanes(law, xi, force, slope, c);
+        if (s->some) branch_lanes(s, xi, force);
+    }
+    if (!s->m->curve->stage[0].damped) return;
     EACH(l) {
         double own = s->damper[l] * c[l];
         force[l] += own * (nu[l] - s->gamma[l] * force[l]) / (1.0 + s->gamma[l] * own);
@@ -91,27 +116,27 @@ static void move_part(const moving_lanes *restrict s, const double *restrict h, 
     }
 }
 
-static void move_step(const law_cubics *law, moving_lanes *restrict s, const double *restrict h) {
-    double xi[LANES], second[LANES], third[LANES], last[LANES], f2[LANES], f3[LANES], f4[LANES], none[LANES];
+static void move_step(moving_lanes *restrict s, const double *restrict h) {
+    double xi[LANES], second[LANES], third[LANES], last[LANES], f2[LANES], f3[LANES], f4[LANES];
     move_part(s, h, 0.5, s->nu, s->force, xi, second);
-    moving_force(law, s, xi, second, f2, none);
+    moving_force(s, xi, second, f2, NULL);
     move_part(s, h, 0.5, second, f2, xi, third);
-    moving_force(law, s, xi, third, f3, none);
+    moving_force(s, xi, third, f3, NULL);
     move_part(s, h, 1.0, third, f3, xi, last);
-    moving_force(law, s, xi, last, f4, none);
+    moving_force(s, xi, last, f4, NULL);
     EACH(l) {
         double nu = (s->nu[l] + 2.0 * (second[l] + third[l]) + last[l]) * (1.0 / 6);
         double force = (s->force[l] + 2.0 * (f2[l] + f3[l]) + f4[l]) * (1.0 / 6);
         s->xi[l] += h[l] * (nu - s->gamma[l] * force);
         s->nu[l] += h[l] * (s->load[l] - force);
     }
-    moving_force(law, s, s->xi, s->nu, s->force, s->slope);
+    moving_force(s, s->xi, s->nu, s->force, s->m->slope ? s->slope : NULL);
 }
 
 /* Sample k of all lanes. */
 static void put_sample(const motions_wanted *m, int count, int64_t k, const double *xi, const double *force, const double *slope) {
     for (int l = 0; l < count; l++) {
-        m->force[l * m->samples + k] = force[l], m->depth[l * m->samples + k] = xi[l];
+        m->force[l * m->samples + k] = force[l], m->depth[l * m->samples + k] = xi[l] - m->curve->compliance * force[l];
         if (m->slope) m->slope[l * m->samples + k] = slope[l];
     }
 }
@@ -126,7 +151,7 @@ typedef struct {
  * time. */
 static void step_between(const motions_wanted *m, moving_lanes *restrict s, int count, int64_t k, int each, knot_step *restrict p) {
     double h[LANES];
-    int parts = k == 0 && m->law->damped ? 4 : 1;
+    int parts = k == 0 && m->curve->stage[0].damped ? 4 : 1;
     for (int l = 0; l < LANES; l++) {
         const double *time = m->times + (l < count ? l : 0) * m->samples + k;
         p->h[l] = time[each] - time[0];
@@ -138,7 +163,7 @@ static void step_between(const motions_wanted *m, moving_lanes *restrict s, int 
     for (int i = 0; i < parts; i++) {
         double share = (double)(3 * i * i + 3 * i + 1) / (parts * parts * parts); /* of cubes */
         EACH(l) h[l] = share * p->h[l];
-        move_step(m->law, s, h);
+        move_step(s, h);
     }
 }
 
@@ -156,7 +181,7 @@ static void put_between(const motions_wanted *m, const moving_lanes *restrict s,
         xi[l] = in_step(p->share[l], p->xi[l], s->xi[l], p->h[l] * p->rate[l], p->h[l] * rate);
         nu[l] = in_step(p->share[l], p->nu[l], s->nu[l], p->h[l] * p->pull[l], p->h[l] * pull);
     }
-    moving_force(m->law, s, xi, nu, force, slope);
+    moving_force(s, xi, nu, force, m->slope ? slope : NULL);
     put_sample(m, count, k, xi, force, slope);
 }
 
@@ -175,7 +200,7 @@ static void move_leg(const motions_wanted *m, moving_lanes *restrict s, int coun
 
 static void touch_lanes(const motions_wanted *m, moving_lanes *restrict s) {
     EACH(l) s->xi[l] = 0.0, s->nu[l] = s->speed[l];
-    moving_force(m->law, s, s->xi, s->nu, s->force, s->slope);
+    moving_force(s, s->xi, s->nu, s->force, m->slope ? s->slope : NULL);
 }
 
 /* When lanes leave the first stage of the law, by Newton's method on the cubics of steps: kinks[3 l] of lane l. */
@@ -201,42 +226,46 @@ static void find_kinks(const motions_wanted *m, moving_lanes *restrict s, int co
 
 /* All lanes at rest where they turn, on the branches along which they leave; bad: of those that are not near a turn. */
 static void turn_lanes(const motions_wanted *m, moving_lanes *restrict s) {
-    double none[LANES];
-    EACH(l) s->bad[l] = fabs(s->nu[l] - s->gamma[l] * s->force[l]) <= NEAR * s->speed[l] ? s->bad[l] : 1.0;
-    cubic_lanes(m->law, s->xi, s->force, s->slope, none);
+    EACH(l) {
+        s->bad[l] = fabs(s->nu[l] - s->gamma[l] * s->force[l]) <= NEAR * s->speed[l] ? s->bad[l] : 1.0;
+        s->damper[l] = 0.0; /* no damping at rest */
+    }
+    moving_force(s, s->xi, s->nu, s->force, m->slope ? s->slope : NULL);
     s->all = 1;
     for (int l = 0; l < LANES; l++) {
-        film_line line = {.branch = 0};
-        while (line.branch + 1 < m->law->stages && s->xi[l] >= m->curve->stage[line.branch].end) line.branch++;
+        film_line line = {.branch = stage_at(m->curve, s->xi[l])};
         if (!(s->xi[l] > 0.0) || film_open_branch(m->curve, &line, s->xi[l], s->force[l]) < 0) s->bad[l] = 1.0;
         s->nu[l] = s->gamma[l] * s->force[l];
         s->leaves[l] = line.branch == FILM_BRANCH ? 1.0 : 0.0;
         s->origin[l] = line.xi_origin, s->per[l] = line.per_recovery, s->exponent[l] = line.exponent;
-        s->most[l] = line.f_max, s->shift[l] = line.f_shift;
+        s->most[l] = line.f_max, s->shift[l] = line.f_shift, s->run = line;
         if (s->leaves[l] > 0.0) s->some = 1;
         else s->all = 0;
         s->powers |= s->leaves[l] > 0.0 && line.exponent != 1.5;
     }
 }
 
-/* Motions of up to LANES impacts. Those are bad and left to lines that do not turn once, or whose contact does not end when it should. */
+/* Motions of up to LANES impacts. bad: 1 of those that do not turn once, or whose contact does not end when it should. */
 static void record_lanes(const motions_wanted *m, int count, double *bad) {
     moving_lanes s;
     int64_t knots = m->samples / 2 - 1;
-    double peak[LANES], deepest[LANES];
+    double peak[LANES], deepest[LANES], damper[LANES];
     memset(&s, 0, sizeof s);
+    s.m = m;
     for (int l = 0; l < LANES; l++) {
         const film_start *start = &m->start[l < count ? l : 0];
         double *legs = &m->legs[l < count ? 3 * l : 0];
         s.gamma[l] = start->gamma, s.load[l] = start->load, s.speed[l] = start->nu, s.damper[l] = start->damping;
-        s.bad[l] = legs[1] < INFINITY && film_farthest(start, legs[0]) > 0.0 ? 0.0 : 1.0;
+        s.bad[l] = legs[1] < INFINITY && (!m->law || film_farthest(start, legs[0]) > 0.0) ? 0.0 : 1.0;
         legs[2] = 0.0;
     }
+    memcpy(damper, s.damper, sizeof damper);
     if (m->kink) find_kinks(m, &s, count, &m->legs[2]);
     for (int l = 0; l < count; l++) film_bend_times(knots, &m->legs[3 * l], m->times + l * m->samples);
     touch_lanes(m, &s);
     move_leg(m, &s, count, 0, knots);
     turn_lanes(m, &s);
+    memcpy(s.damper, damper, sizeof damper);
     memcpy(peak, s.force, sizeof peak);
     memcpy(deepest, s.xi, sizeof deepest);
     move_leg(m, &s, count, knots + 1, m->samples - 1);

@@ -1,5 +1,5 @@
 /* Samples of motions, in lanes. Internal to film_lanes.c. Each lane is a time, on a line of its own; operations and their
- * order are those of film_evaluate, and so are the bits unless samples are rough. docs/method.md, sections 3 and 10. */
+ * order are those of film_evaluate; so are the bits. docs/method.md, sections 3 and 10. */
 #ifndef FILM_LANE_SAMPLE_H
 #define FILM_LANE_SAMPLE_H
 
@@ -35,11 +35,8 @@ static void put_line(sampled *s, int l, const film_line *line, double time) {
     s->kappa0[l] = line->kappa;
 }
 
-/* Error of rough samples, which friction takes. Affects its accuracy and cost only. */
-static const double ROUGH = 1e-9;
-
 /* motion_at: in lanes where the series is accurate enough. */
-static void move_lanes(sampled *restrict s, int rough) {
+static void move_lanes(sampled *restrict s) {
     double b[LANES], c[LANES], before[LANES], last[LANES], small[LANES], going[LANES], unfit[LANES];
     EACH(l) {
         double tau = s->tau[l];
@@ -47,7 +44,7 @@ static void move_lanes(sampled *restrict s, int rough) {
         c[l] = -s->kappa[l] * tau * tau;
         before[l] = s->y0[l];
         last[l] = (-s->phi[l] - 2.0 * s->a[l] * s->y0[l]) * tau;
-        small[l] = (rough ? ROUGH : 1e-17) * (fabs(before[l]) + fabs(last[l]));
+        small[l] = 1e-17 * (fabs(before[l]) + fabs(last[l]));
         s->y[l] = before[l] + last[l];
         s->x[l] = before[l] + 0.5 * last[l];
         going[l] = fabs(b[l]) <= 1.0 ? 1.0 : 0.0;
@@ -77,12 +74,12 @@ static void move_lanes(sampled *restrict s, int rough) {
 }
 
 /* power_of. */
-static void same_power_lanes(double exponent, const double *restrict x, int rough, double *restrict out) {
+static void same_power_lanes(double exponent, const double *restrict x, double *restrict out) {
     if (exponent == 0.5) {
         EACH(l) out[l] = sqrt(x[l]);
     } else if (exponent == 0.25) {
         EACH(l) out[l] = sqrt(sqrt(x[l]));
-    } else if (exponent == 1.5 || exponent == 1.0 || exponent == 2.0 || rough) {
+    } else if (exponent == 1.5 || exponent == 1.0 || exponent == 2.0) {
         power_lanes_of(x, exponent, out);
     } else {
         for (int l = 0; l < LANES; l++) out[l] = pow(x[l], exponent);
@@ -90,11 +87,11 @@ static void same_power_lanes(double exponent, const double *restrict x, int roug
 }
 
 /* value_at. */
-static void same_value_lanes(const film_function *g, const double *restrict xi, int rough, double *restrict out) {
+static void same_value_lanes(const film_function *g, const double *restrict xi, double *restrict out) {
     double z[LANES], b1[LANES] = {0.0}, b2[LANES] = {0.0};
     variable_lanes(g, xi, z);
     if (g->form == FILM_POWER) {
-        if (g->coefficient != 0.0) same_power_lanes(g->exponent, z, rough, b1);
+        if (g->coefficient != 0.0) same_power_lanes(g->exponent, z, b1);
         EACH(l) out[l] = g->constant + g->slope * z[l] + g->coefficient * b1[l];
         for (int l = 0; l < LANES && g->square != 0.0; l++) out[l] += g->square * (z[l] * z[l]);
         return;
@@ -120,11 +117,11 @@ static double force_alone(const film_curve *curve, const film_line *line, double
 }
 
 /* The force of all lanes, as if they were on one piece. */
-static void piece_force_lanes(const film_piece *piece, const sampled *restrict s, double damper, int rough, double *restrict force) {
+static void piece_force_lanes(const film_piece *piece, const sampled *restrict s, double damper, double *restrict force) {
     double c[LANES];
-    same_value_lanes(&piece->force, s->xi, rough, force);
+    same_value_lanes(&piece->force, s->xi, force);
     if (!(damper > 0.0)) return;
-    same_value_lanes(&piece->damping, s->xi, rough, c);
+    same_value_lanes(&piece->damping, s->xi, c);
     EACH(l) {
         double f = force[l], own = damper * c[l], damped = f + own * (s->nu[l] - s->gamma[l] * f) / (1.0 + s->gamma[l] * own);
         damped = own == 0.0 ? f : damped;
@@ -133,13 +130,13 @@ static void piece_force_lanes(const film_piece *piece, const sampled *restrict s
 }
 
 /* The same on the unloading branch of a line. */
-static void branch_force_lanes(const film_line *line, const double *restrict xi, int rough, double *restrict force) {
+static void branch_force_lanes(const film_line *line, const double *restrict xi, double *restrict force) {
     double x[LANES], power[LANES];
     EACH(l) {
         x[l] = (xi[l] - line->xi_origin) * line->per_recovery;
         x[l] = x[l] > 0.0 ? x[l] : 0.0;
     }
-    same_power_lanes(line->exponent, x, rough, power);
+    same_power_lanes(line->exponent, x, power);
     EACH(l) {
         double f = (x[l] > 0.0 ? line->f_max * power[l] : 0.0) + line->f_shift;
         force[l] = f > 0.0 ? f : 0.0;
@@ -153,7 +150,7 @@ static int same_branch(const film_line *a, const film_line *b) {
 }
 
 /* The forces, one piece or branch after another. */
-static void force_lanes(const film_curve *curve, sampled *restrict s, int rough) {
+static void force_lanes(const film_curve *curve, sampled *restrict s) {
     int32_t at[LANES];
     double done[LANES] = {0.0}, force[LANES];
     for (int l = 0; l < LANES; l++) {
@@ -170,8 +167,8 @@ static void force_lanes(const film_curve *curve, sampled *restrict s, int rough)
             s->force[l] = force_alone(curve, line, s->xi[l], s->nu[l]);
             continue;
         }
-        if (at[l] == ON_BRANCH) branch_force_lanes(line, s->xi, rough, force);
-        else piece_force_lanes(&curve->piece[at[l]], s, line->damper, rough, force);
+        if (at[l] == ON_BRANCH) branch_force_lanes(line, s->xi, force);
+        else piece_force_lanes(&curve->piece[at[l]], s, line->damper, force);
         for (int k = l; k < LANES; k++) {
             const film_line *other = s->line[k];
             int same = other == line || (at[k] == ON_BRANCH ? same_branch(line, other) : line->damper == other->damper);
@@ -183,13 +180,13 @@ static void force_lanes(const film_curve *curve, sampled *restrict s, int rough)
 }
 
 /* A block of samples whose lines are in s. */
-static void evaluate_lanes(const film_curve *curve, sampled *restrict s, int rough) {
-    move_lanes(s, rough);
+static void evaluate_lanes(const film_curve *curve, sampled *restrict s) {
+    move_lanes(s);
     EACH(l) {
         s->nu[l] = s->y[l] * s->mass[l] + s->gamma[l] * (s->phi0[l] + s->kappa0[l] * s->x[l]);
         s->xi[l] = s->xi0[l] + s->x[l];
     }
-    force_lanes(curve, s, rough);
+    force_lanes(curve, s);
     EACH(l) {
         s->rate[l] = s->nu[l] - s->gamma[l] * s->force[l];
         s->shift[l] = s->shift0[l] + s->gamma[l] * (s->load[l] * s->tau[l] - (s->nu[l] - s->nu0[l]));
@@ -208,7 +205,7 @@ static void evaluate_lanes(const film_curve *curve, sampled *restrict s, int rou
 enum { FEW = 8 }; /* part of a block that takes as long */
 
 static void sample_lanes(const film_curve *curve, const film_line *recorded, int32_t line_count, const double *times,
-                         int64_t count, int rough, double *values, int64_t stride) {
+                         int64_t count, double *values, int64_t stride) {
     sampled s;
     int32_t at = 0;
     for (int64_t first = 0; first < count; first += LANES) {
@@ -227,7 +224,7 @@ static void sample_lanes(const film_curve *curve, const film_line *recorded, int
             }
             continue;
         }
-        evaluate_lanes(curve, &s, rough);
+        evaluate_lanes(curve, &s);
         memcpy(values + first, s.xi, size);
         memcpy(values + stride + first, s.rate, size);
         memcpy(values + 2 * stride + first, s.force, size);

@@ -4,7 +4,6 @@
 #define FILM_LANE_UNLOAD_H
 
 #include "lanes/film_lane_line.h"
-#include "lanes/film_lane_stretch.h"
 
 /* Below this fraction of the way that is left, a mean force, a difference of works, is rounding, and the cubic's guess is as
  * good. Affects accuracy only, by less than the lines' error. */

@@ -105,7 +105,7 @@ static inline int32_t moving_stage(const batch_job *j, double nu, double gamma, 
 enum { FEWEST = 3 }; /* segments of a leg on targets that move: fewer are too rough to find the turn from */
 
 /* An indentation that an impact does not reach: it is no deeper than its velocity, and that which its load gives it, takes it until it
- * turns. 0 of one that lanes do not record. */
+ * turns. 0 of one for which there are no cubics. */
 static inline double film_farthest(const film_start *start, double turn) {
     double reach = (start->nu + start->load * turn) * turn;
     return reach > CUBIC_LEAST && reach < CUBIC_MOST ? reach : 0.0;
@@ -151,10 +151,10 @@ typedef struct {
     void (*retrace)(batch_job *j, int32_t stage, const int64_t *index, int count, lanes *s, const double *stored);
     /* impacts under a damped power law, from first touch to the end of contact */
     void (*damped)(batch_job *j, const int64_t *index, int count);
-    /* the five values of film_evaluate at times on a contact's lines: value k of time i to values[k stride + i]; or rough ones */
+    /* the five values of film_evaluate at times on a contact's lines: value k of time i to values[k stride + i] */
     void (*sample)(const film_curve *curve, const film_line *lines, int32_t line_count, const double *times, int64_t count,
-                   int rough, double *values, int64_t stride);
-    /* up to LANES motions; bad: > 0 where lanes cannot run it */
+                   double *values, int64_t stride);
+    /* up to LANES motions */
     void (*record)(const motions_wanted *m, int count, double *bad);
     /* film_springs_many, in numbers of double precision, and of single */
     void (*slide[2])(int64_t count, const int64_t *places, int32_t springs, int32_t estimated, const double *numbers, const double *friction, int32_t rows,

@@ -95,8 +95,8 @@ typedef struct {
 int film_has_cubics(const film_curve *curve);
 void film_make_cubics(const film_curve *curve, double most, law_cubics *to);
 
-/* What motions of impacts in lanes are from, and where they go: at ascending times, values of impact i from i samples on. legs: as of
- * film_motions_many. kink: 1 if the slope of the law jumps where its first stage ends. slope: of the force without damping; NULL if the law
+/* What motions of impacts in lanes are from, and where they go: at ascending times, values of impact i from i samples on. law: NULL of one
+ * impact that has a curve of its own. legs: as of film_motions_many. kink: 1 if the slope of the law jumps where its first stage ends. slope: of the force without damping; NULL if the law
  * yields. */
 typedef struct {
     const film_curve *curve;

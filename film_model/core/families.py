@@ -88,6 +88,11 @@ def batch(
     return status, summary
 
 
+def kinked(curve: native.Curve) -> bool:
+    """Whether contacts yield with a kink of their force, which a knot of :func:`motions` meets."""
+    return bool(native.library().film_motions_kink(c.byref(curve)))
+
+
 class Motions(NamedTuple):
     """Forces and depths of many contacts, over scales, (contacts, times); nan without a record. legs: times of the
     turn, the end, and of yield or 0. slope: of the force, of a reversible law. power: of the contact radius with which

@@ -26,16 +26,12 @@ void film_springs_knots(int64_t count, int64_t knots, const double *legs, double
     }
 }
 
-/* Whether cubics across a change of the slope of a force where a contact yields do not follow it: by more than a quarter. */
-static int is_kink(double before, double after) { return fabs(after - before) > 0.25 * before; }
-
-/* Whether the slope of a force has a kink where contacts yield. */
-static int has_kink(const film_curve *curve) {
+int film_motions_kink(const film_curve *curve) {
     film_line line = {.branch = 0};
     if (curve->stages < 2) return 0;
     double end = curve->stage[0].end, before = film_contact_slope(curve, &line, end);
     line.branch = 1;
-    return is_kink(before, film_contact_slope(curve, &line, end));
+    return fabs(film_contact_slope(curve, &line, end) - before) > 0.25 * before;
 }
 
 /* Whether contacts on a curve of all run in lanes, and what these share. */
@@ -64,7 +60,7 @@ void film_motions_many(int instructions, const film_curves *of, int64_t count, c
         bad[0] = 1.0;
         double energy = of->family ? film_most_work(of->curve, &start[i]) : INFINITY;
         if (alike || film_curve_of(of, i, energy, &made) >= 0) {
-            to.kink = !slope && has_kink(to.curve);
+            to.kink = !slope && film_motions_kink(to.curve);
             if (to.law) film_routines(instructions)->record(&to, own, bad);
             else film_record_alone(&to, bad);
         }
@@ -102,10 +98,11 @@ void film_springs_roughness(int64_t count, int64_t knots, const double *legs, co
     for (int64_t i = 0; i < count; i++, legs += 3, values += 2 * (knots + 1)) {
         int64_t knot = film_bend_of(legs[2], legs[0], knots).knot;
         double largest = 0.0, most = 0.0;
-        for (int64_t k = 0; k <= knots; k++) largest = fmax(largest, values[k]);
+        for (int64_t k = 0; k <= knots; k++) largest = values[k] > largest ? values[k] : largest;
         for (int64_t k = 3; k + 3 <= knots; k += 2) {
             double between = (9.0 * (values[k - 1] + values[k + 1]) - values[k - 3] - values[k + 3]) / 16.0;
-            if (llabs(knot - k) >= 3) most = fmax(most, fabs(values[k] - between));
+            double beside = fabs(values[k] - between);
+            most = llabs(knot - k) >= 3 && beside > most ? beside : most;
         }
         roughness[i] = most / largest;
     }

@@ -4,6 +4,9 @@
 
 #include "film_core.h"
 
+/* Whether the slope of a law changes where contacts yield so much that cubics across that do not follow it: by more than a quarter. */
+FILM_API int film_motions_kink(const film_curve *curve);
+
 /* Force, depth and, of a reversible law and unless NULL, the slope of its force, of many contacts at the times of film_springs_knots:
  * times[i samples + k], force[i samples + k]; and the power of film_springs_power. legs get the time at which a contact yields with a kink of
  * its force, else 0. Forces are NaN of a contact that has no finite last time, turns again, or does not end then. */

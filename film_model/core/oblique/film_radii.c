@@ -20,9 +20,9 @@ static double recorded_slope(int64_t i, int64_t begin, int64_t end, const double
         int64_t to = i == end ? i : i + 1;
         return (force[to] - force[to - 1]) / (depth[to] - depth[to - 1]);
     }
-    double before = depth[i] - depth[i - 1], after = depth[i + 1] - depth[i], both = before + after;
-    return -after / (before * both) * force[i - 1] + (after - before) / (before * after) * force[i]
-         + before / (after * both) * force[i + 1];
+    double before = depth[i] - depth[i - 1], after = depth[i + 1] - depth[i];
+    double rise = after * after * (force[i] - force[i - 1]) + before * before * (force[i + 1] - force[i]);
+    return rise / (before * after * (before + after));
 }
 
 /* What the deepest contact has left: its largest depth and radius, and the depth at which it ended. */

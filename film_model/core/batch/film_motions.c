@@ -34,15 +34,6 @@ int film_motions_kink(const film_curve *curve) {
     return fabs(film_contact_slope(curve, &line, end) - before) > 0.25 * before;
 }
 
-/* Whether contacts on a curve of all run in lanes, and what these share. */
-static int by_lanes(const film_curve *curve, int64_t count, const film_start *start, const double *legs, law_cubics *law) {
-    double most = 0.0;
-    for (int64_t i = 0; i < count; i++) most = fmax(most, film_farthest(&start[i], legs[3 * i]));
-    if (!film_has_cubics(curve) || !(most > 0.0)) return 0;
-    film_make_cubics(curve, most, law);
-    return 1;
-}
-
 void film_motions_many(int instructions, const film_curves *of, int64_t count, const film_start *start, int64_t samples, double *legs,
                        double *times, double *force, double *depth, double *slope, double *power) {
     int alike = of->family == NULL && of->varying == 0 && of->compliance == NULL;
@@ -50,7 +41,7 @@ void film_motions_many(int instructions, const film_curves *of, int64_t count, c
     film_curve made = *of->curve;
     double bad[LANES];
     motions_wanted to = {.curve = alike ? of->curve : &made, .samples = samples};
-    if (alike && by_lanes(of->curve, count, start, legs, &law)) to.law = &law;
+    if (alike && film_make_cubics(of->curve, &law)) to.law = &law;
     int64_t step = to.law ? LANES : 1;
     film_springs_knots(count, samples / 2 - 1, legs, times);
     for (int64_t i = 0; i < count; i += step) {

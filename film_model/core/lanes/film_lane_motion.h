@@ -256,7 +256,7 @@ static void record_lanes(const motions_wanted *m, int count, double *bad) {
         const film_start *start = &m->start[l < count ? l : 0];
         double *legs = &m->legs[l < count ? 3 * l : 0];
         s.gamma[l] = start->gamma, s.load[l] = start->load, s.speed[l] = start->nu, s.damper[l] = start->damping;
-        s.bad[l] = legs[1] < INFINITY && (!m->law || film_farthest(start, legs[0]) > 0.0) ? 0.0 : 1.0;
+        s.bad[l] = legs[1] < INFINITY ? 0.0 : 1.0;
         legs[2] = 0.0;
     }
     memcpy(damper, s.damper, sizeof damper);

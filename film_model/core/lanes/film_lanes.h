@@ -104,13 +104,6 @@ static inline int32_t moving_stage(const batch_job *j, double nu, double gamma, 
 
 enum { FEWEST = 3 }; /* segments of a leg on targets that move: fewer are too rough to find the turn from */
 
-/* An indentation that an impact does not reach: it is no deeper than its velocity, and that which its load gives it, takes it until it
- * turns. 0 of one for which there are no cubics. */
-static inline double film_farthest(const film_start *start, double turn) {
-    double reach = (start->nu + start->load * turn) * turn;
-    return reach > CUBIC_LEAST && reach < CUBIC_MOST ? reach : 0.0;
-}
-
 /* Impacts on targets that move, where they are on the law. */
 typedef struct {
     double gamma[LANES], load[LANES];

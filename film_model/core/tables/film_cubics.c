@@ -17,8 +17,8 @@ static double interval_begin(int64_t interval) {
     return x;
 }
 
-/* Below which the force is as there: of a later stage, which begins as a root at most, 2e-4 of that beyond are left. */
-static double least_of(const film_stage *stage) { return stage->begin > 0.0 ? 0x1p-24 * stage->begin : CUBIC_LEAST; }
+/* Of where a later stage begins, beyond it, below which its force is as there: it begins as a root at most. */
+static const double LEAST_BEYOND = 0x1p-24;
 
 /* The cubic in x - a that has the values and slopes of a function at a and b >= a, less `begin`. */
 static void put_cubic(const film_function *at_a, const film_function *at_b, double begin, double a, double b, double *cubic) {
@@ -32,24 +32,16 @@ static void put_cubic(const film_function *at_a, const film_function *at_b, doub
     cubic[3] = (begins + ends - 2.0 * mean) * per * per;
 }
 
-int film_has_cubics(const film_curve *curve) {
+int film_make_cubics(const film_curve *curve, law_cubics *to) {
     int64_t rows = 0;
-    for (int32_t k = 0; k < curve->stages; k++)
-        rows += interval_of(fmin(curve->stage[k].end, CUBIC_MOST) - curve->stage[k].begin) - interval_of(least_of(&curve->stage[k])) + 1;
-    return curve->compliance == 0.0 && !(curve->pull > 0.0) && curve->stage[0].end > CUBIC_LEAST && rows <= CUBIC_ROWS;
-}
-
-void film_make_cubics(const film_curve *curve, double most, law_cubics *to) {
-    int64_t rows = 0;
-    to->damped = curve->stage[0].damped;
-    to->most = 0.0;
-    for (to->stages = 0; to->stages < curve->stages && to->most < most; to->stages++) {
-        int32_t k = to->stages;
+    if (curve->compliance != 0.0 || curve->pull > 0.0) return 0;
+    to->stages = curve->stages, to->damped = curve->stage[0].damped;
+    for (int32_t k = 0; k < curve->stages; k++) {
         const film_stage *stage = &curve->stage[k];
-        double begin = to->begin[k] = stage->begin, least = to->least[k] = least_of(stage), length = stage->end - begin;
-        /* as many rows as hold `most`, but whole ones: they do not depend on what else is in a batch */
-        if (most < stage->end) length = fmin(length, interval_begin(interval_of(fmax(most - begin, least)) + 1));
+        double begin = to->begin[k] = stage->begin, length = fmin(stage->end, CUBIC_MOST) - begin;
+        double least = to->least[k] = begin > 0.0 ? LEAST_BEYOND * begin : CUBIC_LEAST;
         int64_t first = interval_of(least), last = interval_of(length);
+        if (!(length > least) || rows + last - first >= CUBIC_ROWS) return 0;
         to->most = begin + length;
         to->first[k] = first - rows;
         for (int64_t i = first; i <= last; i++, rows++) {
@@ -60,4 +52,5 @@ void film_make_cubics(const film_curve *curve, double most, law_cubics *to) {
             if (to->damped) put_cubic(&at_a->damping, &at_b->damping, begin, a, b, to->damping[rows]);
         }
     }
+    return 1;
 }

@@ -91,9 +91,8 @@ typedef struct {
     double damping[DAMPED_ROWS][4]; /* of the only stage */
 } law_cubics;
 
-/* Of a law that neither pulls nor is in series with a spring, nor has many stages, for indentations up to `most`, at least CUBIC_LEAST. */
-int film_has_cubics(const film_curve *curve);
-void film_make_cubics(const film_curve *curve, double most, law_cubics *to);
+/* 0: there are none, of a law that pulls, is in series with a spring, or has many stages. */
+int film_make_cubics(const film_curve *curve, law_cubics *to);
 
 /* What motions of impacts in lanes are from, and where they go: at ascending times, values of impact i from i samples on. law: NULL of one
  * impact that has a curve of its own. legs: as of film_motions_many. kink: 1 if the slope of the law jumps where its first stage ends. slope: of the force without damping; NULL if the law

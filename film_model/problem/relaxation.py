@@ -10,13 +10,15 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from film_model.base.materials import Material
-from film_model.core import relaxing
 from film_model.scene import Scene
+
+if TYPE_CHECKING:
+    from film_model.core import relaxing
 
 _ROOT = np.float64(1e-15)  # relative, of the rates
 
@@ -34,6 +36,8 @@ class Relaxation:
 
     def law(self, unit: float) -> relaxing.Law:
         """For the core, with times in `unit` [s]."""
+        from film_model.core import relaxing
+
         law = relaxing.Law(len(self.rate), 0, self.rest)
         law.share[: len(self.share)] = self.share
         law.rate[: len(self.rate)] = [rate * unit for rate in self.rate]
@@ -41,6 +45,8 @@ class Relaxation:
 
     def march(self, unit: Any, start: Any, tolerance: float) -> tuple[Any, Any]:
         """The core's status and summary of one impact (native.Start), or of many (START_DTYPE, an array of units)."""
+        from film_model.core import relaxing
+
         if not isinstance(start, np.ndarray):
             return relaxing.impact(self.law(unit), start, tolerance)
         laws = np.frombuffer(b"".join(bytes(self.law(one)) for one in unit.tolist()), relaxing.LAW_DTYPE)

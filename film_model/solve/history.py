@@ -259,11 +259,11 @@ class History:
     def sensor_peaks(self) -> Mapping[str, Mapping[str, float]]:
         """Largest absolute displacement, velocity, acceleration and, where wanted, strains and bending stress of each
         sensor, SI; empty if none is simulated. See `film_model.solve.sensed.Peaks`."""
-        from film_model.solve.sensed import Peaks, quantities_of, replay_of
-
         sensors, on = self.scene.target.sensors, self.vibration
         if not sensors or on is None:
             return {}
+        from film_model.solve.sensed import Peaks, quantities_of, replay_of  # which takes a tenth of a run without
+
         peaks = Peaks(self.scene.target, on.highest)
         replay = replay_of(self.problem, on, self.accuracy.requested)
         found = peaks.of(on.segments, float(self.problem.scales.force), self.duration, replay)

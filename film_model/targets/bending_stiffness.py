@@ -5,11 +5,17 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
+from film_model.base.arrays import root
 from film_model.base.errors import raise_all
 from film_model.base.fields import InUnits, entry, fill, measure, mistake
 from film_model.base.units import Value
 
 _STIFFNESS = measure("bending_stiffness", 1e-30, 1e18, required=True)
+
+
+def anisotropy(d11: float, d12: float, d22: float, d66: float) -> float:
+    """A = (D12 + 2 D66)/√(D11 D22): 1 for an isotropic plate; the bending energy is positive only if A > −1."""
+    return (d12 + 2 * d66) / root(d11 * d22)
 
 
 def unstable(D11: Any, D12: Any, D22: Any) -> Any:

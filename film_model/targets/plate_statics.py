@@ -7,14 +7,10 @@ from functools import lru_cache
 
 import numpy as np
 
-from film_model.base.arrays import Number, of_each, root
+from film_model.base.arrays import Number, of_each
 from film_model.core import panels, plates
+from film_model.targets.bending_stiffness import anisotropy
 from film_model.targets.plate_modes import THIN, Point, Shear, Stiffness, numbers_of
-
-
-def anisotropy(d11: float, d12: float, d22: float, d66: float) -> float:
-    """A = (D12 + 2 D66)/√(D11 D22): 1 for an isotropic plate; the bending energy is positive only if A > −1."""
-    return (d12 + 2 * d66) / root(d11 * d22)
 
 
 def plate_compliance(stiffness: Stiffness, size: Point, position: Point, shear: Shear = THIN) -> Number:

@@ -6,7 +6,7 @@ from typing import Any
 
 from film_model.base.arrays import all_of, greater, lesser, root
 from film_model.base.units import format_si
-from film_model.targets.plate_statics import anisotropy
+from film_model.targets.bending_stiffness import anisotropy
 from film_model.targets.target import Estimate, Impact
 
 REFLECTION_CHANGE = 0.03, 2.2

@@ -20,17 +20,18 @@ from abc import ABC
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any, ClassVar, NamedTuple
+from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 
 from film_model.base.arrays import endless
 from film_model.base.errors import Mistake, SimulationError
 from film_model.base.fields import InUnits, fill, measure, mistake
 from film_model.base.materials import Material
 from film_model.targets.modes import Array, Modes
-from film_model.targets.panel_statics import compliance_and_error, omitted_compliance
-from film_model.targets.ritz import Panel
 from film_model.targets.sensors import Sensor
 from film_model.targets.surface_strain import Rows, surface_strains
+
+if TYPE_CHECKING:
+    from film_model.targets.ritz import Panel
 
 RADIUS = measure("length", 1e-10, 1e3)
 LENGTH = measure("length", 1e-10, 1e5)
@@ -164,7 +165,11 @@ class AbstractTarget(InUnits, ABC):
     @property
     def compliance_error(self) -> float:
         """Bound on the error of `compliance`, m/N, where it is computed and neither given nor in closed form."""
-        return compliance_and_error(*self.panel)[1] if self.panel else 0.0
+        if not self.panel:
+            return 0.0
+        from film_model.targets.panel_statics import compliance_and_error
+
+        return compliance_and_error(*self.panel)[1]
 
     @property
     def panel(self) -> tuple[Panel, tuple[float, float]] | None:
@@ -240,6 +245,8 @@ class AbstractTarget(InUnits, ABC):
         """Static compliance of the vibrations above `highest` [rad/s], m/N, and a bound on its error. modes: those up
         to it."""
         if self.panel:
+            from film_model.targets.panel_statics import omitted_compliance
+
             return omitted_compliance(*self.panel, modes, highest)
         return max((self.compliance or 0.0) - modes.compliance, 0.0), self.compliance_error
 

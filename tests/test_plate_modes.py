@@ -13,7 +13,7 @@ import pytest
 import film_model as fm
 from film_model.core import native, panels
 from film_model.effects.choose import choose
-from film_model.effects.edge_effects import support_of
+from film_model.effects.edge_effects import ways_of
 from film_model.solve.batch import simulate_many
 from film_model.targets import Modes, plate_statics, ritz
 from film_model.targets.line_functions import line, polynomials
@@ -383,9 +383,9 @@ def test_a_sweep_chooses_the_effects_of_an_impact_once(monkeypatch: pytest.Monke
     def counted(impacts):
         nonlocal times
         times += 1
-        return support_of(impacts)
+        return ways_of(impacts)
 
-    monkeypatch.setattr("film_model.effects.choose.support_of", counted)
+    monkeypatch.setattr("film_model.effects.choose.ways_of", counted)
     found = simulate_many(scene, {"target.thickness": np.linspace(0.003, 0.006, 5)})
     assert times == 5 and (found.estimated < 1e-3).all()
 

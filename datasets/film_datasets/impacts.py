@@ -19,7 +19,6 @@ from film_model.base.errors import SceneError, SimulationError
 from film_model.core import native
 from film_model.core.records import Rows, record_many, recorded, sample_many
 from film_model.effects.choose import problem_of
-from film_model.effects.edge_effects import edged, infinite_unless_judged
 from film_model.effects.many import rows_of
 from film_model.oblique.result import OBLIQUE
 from film_model.problem.problem import Problem, refuse_relaxation
@@ -252,8 +251,3 @@ def scene_with_numbers(scene: Scene, numbers: Mapping[str, float]) -> Scene:
     """The scene with some of its numbers replaced [SI], by path, without the checks of `Scene.replace`."""
     values: dict[str, Any] = dict(numbers)
     return scene_of_columns(scene, values)
-
-
-def one_curve_per_impact(scene: Scene) -> bool:
-    """Whether impacts of the scene may differ in their dimensionless curve: a static stiffness is part of the curve."""
-    return edged(scene) and not infinite_unless_judged(scene)

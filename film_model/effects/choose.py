@@ -1,7 +1,7 @@
 """Which effects a scene calls for. Each is decided by two marches on a coarse mesh, with the effect and without.
 
 "auto" simulates an effect if neglecting it would change the summary by more than the scene's tolerance. Every rule
-serves one impact (:func:`choose`) and many that share a law and a curve (:func:`chosen`). Effects that cannot be
+serves one impact (:func:`choose`) and many that share a law and a curve (:func:`decided`). Effects that cannot be
 simulated are estimated by formulas (:mod:`film_model.effects.judged`).
 """
 
@@ -28,7 +28,7 @@ from film_model.effects import (
     viscoelasticity,
     wave_losses,
 )
-from film_model.effects.edge_effects import edged, support_of
+from film_model.effects.edge_effects import ways_of
 from film_model.effects.effect import COMPUTED, FREE, NOT_MODELLED, NOT_NEEDED, Effect
 from film_model.effects.judged import judge
 from film_model.effects.law_range import law_warnings
@@ -160,15 +160,12 @@ def _in_order(effects: Iterable[Effect]) -> tuple[Effect, ...]:
 def choose(scene: Scene) -> Choice:
     """Law, target motion and load of one impact. Raises SimulationError if the scene asks for an unsupported effect."""
     ((law, _), *_) = laws_of(scene)
-    impacts = Impacts.one(scene, SceneLaw.of(scene, law))
-    support, edges = Support(impacts.numbers.impedance), ()
-    if edged(scene):
-        support, edges = support_of(impacts)
+    ((impacts, support, edges),) = ways_of(Impacts.one(scene, SceneLaw.of(scene, law)))
     static = impacts.problem(support.impedance, 0.0, support.compliance)
     hard = rate_hardening.applied(static)
     light = hard or static
-    ((problem, moved, yielding, decided),) = _decided(light, support)
-    return Choice(problem, light, moved, yielding, static, hard, support, edges, decided)
+    ((problem, moved, yielding, decisions),) = decided(light, support)
+    return Choice(problem, light, moved, yielding, static, hard, support, edges, decisions)
 
 
 def problem_of(scene: Scene) -> Problem:
@@ -176,13 +173,7 @@ def problem_of(scene: Scene) -> Problem:
     return choose(scene).problem
 
 
-def chosen(impacts: Impacts, support: Support) -> list[Problem]:
-    """The problems of many impacts that share a law and a curve; Hertz's law may replace it for some."""
-    light = impacts.problem(support.impedance, impacts.column(0.0), support.compliance)
-    return [problem for problem, *_ in _decided(light, support)]
-
-
-def _decided(light: Problem, support: Support) -> Iterator[tuple[Problem, Problem, Problem, tuple[Any, Any, Any]]]:
+def decided(light: Problem, support: Support) -> Iterator[tuple[Problem, Problem, Problem, tuple[Any, Any, Any]]]:
     """Problem, moved, yielding and decided, as of :class:`Choice`: of one impact, or of many in parts that share law,
     curve and kind of motion. light: without weight."""
     heavy = gravity.needed(light)

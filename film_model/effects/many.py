@@ -12,13 +12,11 @@ from typing import Any, cast
 import numpy as np
 from numpy.typing import NDArray
 
-from film_model.base.arrays import ALL, Array, Index, Mask, all_of, column
+from film_model.base.arrays import ALL, Array, Index, all_of, column
 from film_model.base.errors import NO_VELOCITY, VIBRATES, SimulationError
-from film_model.core import native
 from film_model.effects import rate_hardening
-from film_model.effects.case import Pulse
-from film_model.effects.choose import chosen, problem_of
-from film_model.effects.edge_effects import edged, infinite_unless_judged, supports_of
+from film_model.effects.choose import decided, problem_of
+from film_model.effects.edge_effects import ways_of
 from film_model.effects.law_range import law_warnings
 from film_model.effects.target_motion import Support
 from film_model.laws import AbstractLaw
@@ -65,12 +63,9 @@ def problems_of(
         return _one_by_one(scene, columns, moving, status, vibrating)
     try:
         groups = _groups(scene, columns, moving, part)
-        found = [problem for impacts, support in groups for problem in chosen(impacts, support)]
+        found = [problem for light, support in groups for problem, *_ in decided(light, support)]
     except (TypeError, ValueError, SimulationError):  # a law or a target that accepts numbers only
         return _one_by_one(scene, columns, moving, status, vibrating)
-    if infinite_unless_judged(part) and edged(part) and scene.effects.boundary_reflections == "auto":
-        found = [problem.part(~_edges_may_matter(problem)) for problem in found]
-        found = [problem for problem in found if problem.approach.size]
     for problem in found:
         approaches[rows_of(problem)] = False
     left = approaches.nonzero()[0]
@@ -96,25 +91,6 @@ def law_warnings_of_each(scene: Scene, columns: Mapping[str, Array], count: int)
 def rows_of(problem: Problem) -> Index:
     """The indices of the impacts of a problem of many."""
     return cast("Index", problem.impacts.index)
-
-
-def _edges_may_matter(problem: Problem) -> Mask:
-    """Impacts on a plate with edges for which reflected waves may matter."""
-    scene, impacts = problem.scene, problem.impacts
-    free = problem.again(impedance=impacts.column(scene.target_impedance), load=impacts.column(0.0))
-    status, seen = free.march(native.mesh(native.WORK_PRESERVING, 4, 8))
-    returns = impacts.column(impacts.scene.target.return_time) / free.scales.time
-    with np.errstate(divide="ignore", invalid="ignore"):
-        pulse = Pulse.of(free.approach, free.gamma, seen)
-        off = impacts.scene.target.reflection_change(pulse.motion, pulse.restitution, pulse.back / returns)
-    return (status != native.EVENT) | may_matter(off, scene.effect_tolerance)
-
-
-def may_matter(off: Any, tolerance: Any) -> Any:
-    """Whether reflected waves may matter that change the summary by about so much."""
-    # Edges are neglected without further trials if the change by reflections is this many times below the tolerance
-    sure = 3.0
-    return ~(off < tolerance / sure)
 
 
 def _one_by_one(
@@ -194,10 +170,10 @@ def _picked(columns: Mapping[str, Array], index: Index) -> dict[str, Array]:
     return {path: values[index] for path, values in columns.items()}
 
 
-def _groups(scene: Scene, columns: Mapping[str, Array], index: Index, part: Scene) -> Iterator[tuple[Impacts, Support]]:
-    """The impacts of `index` by law and curve, how their targets move, and whether they reach the yield point.
+def _groups(scene: Scene, columns: Mapping[str, Array], index: Index, part: Scene) -> Iterator[tuple[Problem, Support]]:
+    """The problems of the impacts of `index` by law and curve, without weight, and how their targets move.
 
-    part: has their columns. Omitted are impacts whose targets :func:`supports_of` omits.
+    part: has their columns. Omitted are impacts that :func:`ways_of` omits.
 
     Raises ValueError where there are nearly as many curves as impacts.
     """
@@ -207,9 +183,9 @@ def _groups(scene: Scene, columns: Mapping[str, Array], index: Index, part: Scen
         varied = part if own.size == index.size else scene_of_columns(scene, picked)
         slow = Impacts.several(scene, SceneLaw.of(varied, law).reduced(), own, picked, varied)
         for places in _shared_curves(slow):
-            for static, support in supports_of(slow if places is ALL else _alike(slow, places)):
+            for static, support, _ in ways_of(slow if places is ALL else _alike(slow, places)):
                 for impacts, same in _by_curve(_hardened(static, support), static):
-                    yield impacts, support.part(same)
+                    yield _light(impacts, support.part(same)), support.part(same)
 
 
 def _by_curve(impacts: Impacts, shared: Impacts) -> Iterator[tuple[Impacts, Any]]:
@@ -227,26 +203,23 @@ def _alike(impacts: Impacts, places: Any) -> Impacts:
     return part.under(part.law.reduced())
 
 
+def _light(impacts: Impacts, support: Support) -> Problem:
+    """The problem of impacts without weight."""
+    return impacts.problem(support.impedance, impacts.column(0.0), support.compliance)
+
+
 def _hardened(impacts: Impacts, support: Support) -> Impacts:
     """The impacts, those faster than 1/s with the yield strength at their own strain rate."""
     static, count = impacts.law, impacts.numbers.mass.size
-    rate_law, wanted = impacts.scene.rate_hardening, impacts.base.effects.rate_hardening
-    if wanted is False or rate_law is None or static.strength is None:
-        return impacts
-
-    def problem(under: Impacts, places: Any) -> Problem:
-        part, moves = _alike(under, places), support.part(places)
-        return part.problem(moves.impedance, part.column(0.0), moves.compliance)
 
     def rates(factor: Array) -> Array:
         strong, found = impacts.under(static.strengthened(factor)), np.empty(count)
         for places in _shared_curves(strong):
-            found[places] = rate_hardening.strain_rate(problem(strong, places))
+            found[places] = rate_hardening.strain_rate(_light(_alike(strong, places), support.part(places)))
         return found
 
-    factor = rate_hardening.settled(rates, rate_law, np.ones(count))
-    used = factor > 1.0  # nan: unknown
-    return impacts.under(static.strengthened(np.where(used, factor, 1.0))) if used.any() else impacts
+    factor = rate_hardening.used(impacts, rates, np.ones(count))
+    return impacts if factor is None else impacts.under(static.strengthened(factor))
 
 
 def _shared_curves(*impacts: Impacts) -> Iterator[Any]:

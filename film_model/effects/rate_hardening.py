@@ -25,7 +25,7 @@ from film_model.effects.judged import Rule, effect_of
 from film_model.effects.trial import change
 from film_model.laws import LAWS, AbstractLaw
 from film_model.problem.model_intervals import STIFFEST_POLYMER
-from film_model.problem.problem import Problem
+from film_model.problem.problem import Impacts, Problem
 from film_model.targets import Estimate
 
 TYPICAL, LEAST, MOST = 0.014, 0.006, 0.06
@@ -99,30 +99,53 @@ def strengthened(static: Problem, factor: Any) -> Problem:
     return impacts.under(impacts.law.strengthened(factor)).problem(*static.given)
 
 
+def factor_of(impacts: Impacts, rates: Callable[[Any], Any], first: Any = 1.0) -> Any:
+    """S/S_y at the rates of one impact or of many, from the rates as a function of it; nan if the rate law is unknown,
+    the law has no yield strength, the impactor has no velocity, or the impact cannot be marched."""
+    law = impacts.scene.rate_hardening
+    if law is None or impacts.law.strength is None or not any_of(impacts.numbers.approach > 0.0):
+        return math.nan
+    return settled(rates, law, first)
+
+
+def used(impacts: Impacts, rates: Callable[[Any], Any], first: Any = 1.0) -> Any:
+    """The S/S_y with which impacts are simulated; None if all have the strength of slow loading."""
+    wanted = impacts.base.effects.rate_hardening
+    if wanted is False or impacts.law.strength is None:
+        return None
+    factor = factor_of(impacts, rates, first)
+    unknown = factor != factor
+    if wanted is True and any_of(unknown & (impacts.numbers.approach > 0.0)):
+        raise SimulationError(
+            "effects.rate_hardening is true, but the impact with the higher strength cannot be marched"
+        )
+    if any_of(factor > 1.0) or (wanted is True and not any_of(unknown)):
+        return either(factor > 1.0, factor, 1.0)
+    return None
+
+
 def hardened(static: Problem) -> Problem | None:
-    """One impact with the strength at its own rate. None if its rate law is unknown, the law has no yield strength, the
-    impactor has no velocity, or the impact cannot be marched. static: without weight."""
-    law = static.scene.rate_hardening
-    if law is None or static.impacts.law.strength is None or not static.approach > 0.0:
-        return None
-    try:
-        factor = settled(lambda factor: strain_rate(strengthened(static, factor)), law)
-        return None if math.isnan(factor) else strengthened(static, factor)
-    except ValueError:  # the higher strength is beyond the law's range
-        return None
+    """One impact with the strength at its own rate; None if :func:`factor_of` is unknown. static: without weight."""
+    factor = factor_of(static.impacts, _rates(static))
+    return None if math.isnan(factor) else strengthened(static, factor)
 
 
 def applied(static: Problem) -> Problem | None:
     """One impact with the strength at its own rate if this is simulated, else None."""
-    wanted, slow = static.scene.effects.rate_hardening, static.impacts.law.strength
-    if wanted is False or slow is None:
-        return None
-    hard = hardened(static)
-    if hard is None and wanted is True and static.approach > 0.0:
-        raise SimulationError(
-            "effects.rate_hardening is true, but the impact with the higher strength cannot be marched"
-        )
-    return hard if wanted is True or (hard is not None and hard.impacts.law.strength > slow) else None
+    factor = used(static.impacts, _rates(static))
+    return None if factor is None else strengthened(static, factor)
+
+
+def _rates(static: Problem) -> Callable[[float], float]:
+    """The strain rate of one impact as a function of S/S_y; nan if the higher strength is beyond the law's range."""
+
+    def rate(factor: float) -> float:
+        try:
+            return strain_rate(strengthened(static, factor))
+        except ValueError:
+            return math.nan
+
+    return rate
 
 
 def describe(static: Problem, used: Problem | None, yields: bool) -> Effect:

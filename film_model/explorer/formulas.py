@@ -19,7 +19,6 @@ from film_model.base.rate_law import RateHardening
 from film_model.core import native
 from film_model.effects import edge_effects, gravity, large_slope, wave_losses
 from film_model.effects.case import Pulse, deforms
-from film_model.effects.many import may_matter
 from film_model.effects.material_damping import rebound
 from film_model.effects.rate_hardening import factor_at
 from film_model.explorer.inputs import PLATE
@@ -355,5 +354,5 @@ def reflections_function(template: Scene, paths: Sequence[str]) -> str:
     pulse = Pulse.of(p.approach, p.gamma, core)
     delay = pulse.back / (target.return_time / p.scales.time)
     size = cast("Any", target).reflection_change(pulse.motion, pulse.restitution, delay)
-    outputs = {"change": size, "matter": may_matter(size, r.symbol("tolerance"))}
+    outputs = {"change": size, "matter": edge_effects.may_matter(size, r.symbol("tolerance"))}
     return r.function("reflections", "x, p, a, tolerance", outputs)

@@ -18,7 +18,7 @@ from film_model.base.errors import SimulationError
 from film_model.core import native
 from film_model.core.columns import Columns
 from film_model.effects.decided import decided_impacts, decided_problem
-from film_model.effects.edge_effects import edged, infinite_unless_judged
+from film_model.effects.edge_effects import may_differ
 from film_model.effects.many import FEW, curve_keys
 from film_model.effects.rate_hardening import factor_at
 from film_model.problem.curve import TRIAL_SEGMENTS
@@ -67,7 +67,7 @@ def chain_rule(pairs: Pairs, solver: Solver, target: float, found: Slopes) -> No
 
 def _chains(pairs: Pairs, how: _How) -> Iterator[tuple[Index, _Chain]]:
     """The impacts on each curve, with their places."""
-    if edged(pairs.scene) and not infinite_unless_judged(pairs.scene):
+    if may_differ(pairs.scene):
         return  # the target's static stiffness is a part of the curve
     numbers, scale = len(pairs.paths), how.stencil.step / STEP
     step = np.where(pairs.fits(how.stencil.offsets * scale), pairs.step * scale, 0.0).reshape(-1, numbers)

@@ -6,10 +6,10 @@ import math
 
 import numpy as np
 
-from film_datasets.impacts import one_curve_per_impact
 from film_datasets.sweeps.definition import Sweep
 from film_datasets.sweeps.designs import Block
 from film_datasets.sweeps.sizes import size_of
+from film_model.effects.edge_effects import may_differ
 
 BLOCK_BYTES, BLOCK_IMPACTS = 6_000_000, 65_536
 """A block has about so many bytes of data and at most so many impacts; both depend on the sweep alone, so that the
@@ -27,7 +27,7 @@ class Blocks:
 
     def __init__(self, sweep: Sweep) -> None:
         scenes = (sweep.combination(number) for number in sweep.combinations_used)
-        limit = OWN_CURVES if any(map(one_curve_per_impact, scenes)) else BLOCK_IMPACTS
+        limit = OWN_CURVES if any(map(may_differ, scenes)) else BLOCK_IMPACTS
         if any(axis.path.endswith("poissons_ratio") for axis in sweep.axes):
             # the curves of many impacts may differ in all numbers of a fit, some kB each
             limit = min(limit, 8192)

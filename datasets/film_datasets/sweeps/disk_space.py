@@ -6,13 +6,13 @@ import shutil
 from pathlib import Path
 
 from film_datasets.files import ZARR
-from film_datasets.impacts import one_curve_per_impact
 from film_datasets.sweeps.block_columns import TOTALS, compute_block
 from film_datasets.sweeps.block_writers import FILE_BLOCKS
 from film_datasets.sweeps.blocks import Blocks
 from film_datasets.sweeps.definition import Sweep
 from film_datasets.sweeps.designs import Block
 from film_datasets.sweeps.sizes import packed
+from film_model.effects.edge_effects import may_differ
 
 SAMPLE = 256
 """Impacts that are simulated to see how many bytes they take; of sweeps of fewer than 64 times as many none are."""
@@ -21,7 +21,7 @@ SAMPLE = 256
 def disk_space(sweep: Sweep, blocks: Blocks, suffix: str) -> tuple[float, float]:
     """Bytes of the finished output, by its suffix, and of the blocks that are saved until then, about."""
     scenes, size = (sweep.combination(number) for number in sweep.combinations_used), blocks.size
-    if sweep.size < 64 * SAMPLE or any(map(one_curve_per_impact, scenes)) or size.sample:
+    if sweep.size < 64 * SAMPLE or any(map(may_differ, scenes)) or size.sample:
         saved = sweep.size * size.each
         output = size.compressed(suffix) * (saved + size.once) + 2000.0 * len(
             sweep.variables

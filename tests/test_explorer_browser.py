@@ -264,8 +264,8 @@ def simulated(scene, found):
     """Python's history with the page's strength at the strain rate, and the strength that Python finds itself."""
     factors = []
 
-    def settled(rate_of, law):
-        factors.append(SETTLED(rate_of, law))
+    def settled(*given):
+        factors.append(SETTLED(*given))
         return found.get("strength_factor") or factors[0]
 
     with pytest.MonkeyPatch.context() as patch:

@@ -87,7 +87,7 @@ def ways_of(impacts: Impacts) -> Iterator[Way]:
         return
     stretches = scene.effects.boundary_reflections is not False and stretching.possible(scene)
     try:
-        for way in _without_stretching(_Edges(impacts)):
+        for way in without_stretching(_Edges(impacts)):
             if not impacts.many:
                 yield _Edges(impacts).vibrating() if stretches and _stretched(way) else way
             elif not (stretches or way.support.vibrates):
@@ -105,8 +105,8 @@ def _stretched(way: Way) -> bool:
     return stretching.needed(impacts.problem(support.impedance, 0.0, support.compliance))
 
 
-def _without_stretching(edges: _Edges) -> Iterator[Way]:
-    """The same where membrane forces do not matter."""
+def without_stretching(edges: _Edges) -> Iterator[Way]:
+    """The same where membrane forces do not matter; the page has a table of it (`film_model.explorer.support`)."""
     target, wanted = edges.scene.target, edges.scene.effects.boundary_reflections
     if wanted is False:
         if edges.bounded:

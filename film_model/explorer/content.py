@@ -120,7 +120,7 @@ class Content:
             "map": regime_map(),
             "intervals": _intervals(),
             "layout": layout(),
-            "edges": SUPPORTS,
+            **{"edges": SUPPORTS, "plate_ways": support.plate_ways()},
             "constants": _constants(),
         }
 

@@ -11,13 +11,14 @@ from collections.abc import Iterable
 from dataclasses import replace
 from functools import cache
 from itertools import product
-from typing import Any
+from types import SimpleNamespace
+from typing import Any, cast
 
 from film_model.base.arrays import root
-from film_model.base.errors import TooManyModes
+from film_model.base.errors import SimulationError, TooManyModes
 from film_model.core import modal, panels
 from film_model.effects.choose import Choice
-from film_model.effects.edge_effects import SLOW
+from film_model.effects.edge_effects import SLOW, without_stretching
 from film_model.explorer.inputs import STRENGTH_ENTRIES, Input, damping_input
 from film_model.scene import DEFAULT_ACCURACY, Scene
 from film_model.solve import structures, vibration
@@ -157,6 +158,36 @@ def loose_edges() -> list[str]:
     every = (tuple(zip(*edges, strict=True)) for edges in product(kinds, repeat=4))
     square = (1.0, 0.3, 1.0, 0.35), (1.0, 1.0)
     return ["".join(map(str, numbers)) for numbers, names in every if ritz.loose(ritz.Panel(1.0, *square, names))]
+
+
+MOVES = ("infinite", "static", "vibrating")
+"""How a plate moves: as an infinite one, by its static stiffness, or by its vibrations."""
+
+
+@cache
+def plate_ways() -> dict[str, Any]:
+    """How a plate moves, by :func:`film_model.effects.edge_effects.without_stretching`, for every case of: the switches
+    boundary_reflections and target_inertia (true, false, "auto"); whether reflected waves matter, the law can be in
+    series with a stiffness, is damped, something holds the plate, and its vibrations are small. cases: of each a place
+    in `ways`, which are `MOVES` and sentences that say why it is refused."""
+    ways, cases = list(MOVES), ""
+    for wanted, inertia, *flags in product((True, False, "auto"), (True, False, "auto"), *[(False, True)] * 5):
+        near, series, damped, held, quiet = flags
+        target = SimpleNamespace(kind="plate", finite=True, held=held, compliance=1.0, whole_mass=1.0)
+        target.stiffness_given, target.modes_missing = False, ""
+        effects = SimpleNamespace(boundary_reflections=wanted, target_inertia=inertia)
+        edges: Any = SimpleNamespace(scene=SimpleNamespace(target=target, effects=effects), bounded=False, near=near)
+        edges.impacts = SimpleNamespace(many=False, one_law=SimpleNamespace(name="{law}", damped=damped))
+        edges.no_static = "" if series else "law {law} cannot be in series with a static stiffness"
+        edges.follows, edges.quiet, edges.parts = True, quiet, lambda holds, own=edges: [(own, holds)]
+        edges.infinite, edges.static, edges.vibrating = (lambda *_, way=way: way for way in MOVES)
+        try:
+            (way,) = cast("Any", without_stretching(edges))
+        except SimulationError as error:
+            way = str(error)
+        ways += [] if way in ways else [way]
+        cases += str(ways.index(way))
+    return {"ways": ways, "cases": cases}
 
 
 def ritz_constants() -> dict[str, Any]:

@@ -98,27 +98,29 @@ function edgesOfPlate(scene, n, law, support) {
   const infinite = problemOf(law, n, n.impedance, 0);
   const tried = trial(infinite);
   const sound = tried.status === EVENT && infinite.p.approach > 0 && tried.maximum_indentation > 0;
-  const x = entriesOf(scene);
-  let reflections = sound ? FORMULAS[plate.reflections](x, infinite.p, tried).change : null;
+  let reflections = sound ? FORMULAS[plate.reflections](entriesOf(scene), infinite.p, tried).change : null;
+  const near = reflections > toleranceOf(scene);
+  const wayIf = (/** @type {boolean} */ quiet) => {
+    const { ways, cases } = DATA.plate_ways;
+    const [one, other] = [wanted, inertia].map((value) => [true, false, "auto"].indexOf(value));
+    const flags = [near, law.series, law.family === "damped", support.held, quiet];
+    return ways[cases[flags.reduce((sum, flag) => 2 * sum + Number(flag), 3 * one + other)]];
+  };
   /** @type {number|null} */
   let ratio = null;
-  const moving = (/** @type {"infinite"|"static"|"vibrating"} */ moves) => ({
+  let moves = wayIf(false);
+  if (moves !== "infinite" && law.series) {
+    const bent = problemOf(law, n, Infinity, 0, support.compliance);
+    if (support.held) ratio = Number(FORMULAS[plate.inertia](bent.p, trial(bent), n, support.compliance, support.part).ratio);
+    moves = wayIf(ratio !== null && ratio <= toleranceOf(scene));
+    if (moves === "static") reflections = changeOf(bent, infinite);
+  }
+  if (moves.includes(" ")) throw new Unsupported(moves.replace("{law}", law.name));
+  return {
     moves,
     effects: {
       boundary_reflections: { simulated: moves !== "infinite", change: reflections },
       target_inertia: { simulated: moves === "vibrating", change: moves === "infinite" ? 0 : ratio && Math.min(ratio, 1) },
     },
-  });
-  if (wanted === false || (wanted === "auto" && !(reflections > toleranceOf(scene)))) return moving("infinite");
-  if (!law.series) {
-    if (inertia !== false) return moving("vibrating");
-    if (law.family === "damped" && wanted !== true) return moving("infinite");
-    throw new Unsupported(`law ${law.name} cannot be in series with a static stiffness`);
-  }
-  const bent = problemOf(law, n, Infinity, 0, support.compliance);
-  if (support.held) ratio = Number(FORMULAS[plate.inertia](bent.p, trial(bent), n, support.compliance, support.part).ratio);
-  else if (inertia === false) throw new Unsupported("effects.target_inertia is false, but nothing holds the plate: it has no static stiffness");
-  if (inertia !== false && !(inertia === "auto" && ratio !== null && ratio <= toleranceOf(scene))) return moving("vibrating");
-  reflections = changeOf(bent, infinite);
-  return moving("static");
+  };
 }

@@ -7,7 +7,7 @@ import hashlib
 import math
 import os
 import re
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -120,12 +120,9 @@ def csv_rows(path: str | os.PathLike[str], columns: Mapping[str, str] | None = N
     text, name = read_text(path, LARGEST_TABLE)
     lines = enumerate(text.splitlines(), 1)
     numbered = [(number, line) for number, line in lines if line.strip() and line.lstrip()[0] != "#"]
-    if columns:
-        numbered = _chosen_columns(name, numbered, columns)
-    if len(numbered) < 3:
+    cells = _chosen_columns(name, numbered, columns) if columns else _cells(numbered)
+    if len(cells) < 3:
         raise SceneError([Mistake(name, None, "", "a heading and at least two rows of numbers are needed")])
-    separator = max(",;\t", key=numbered[0][1].count)
-    cells = [(number, next(csv.reader([line], delimiter=separator))) for number, line in numbered]
     if not any(row[-1].strip() for _, row in cells):  # every line ends with a separator
         cells = [(number, row[:-1]) for number, row in cells]
     (head, headings), body = cells[0], cells[1:]
@@ -196,28 +193,34 @@ def _variable(heading: str) -> str:
     return CONVERTED[name].variable if name in CONVERTED else NAMES.get(name, name)
 
 
-def _chosen_columns(file: str, numbered: list[tuple[int, str]], columns: Mapping[str, str]) -> list[tuple[int, str]]:
-    """The lines from the heading on, with the chosen columns only and under their quantities' names.
+def _cells(numbered: Sequence[tuple[int, str]]) -> list[tuple[int, list[str]]]:
+    """The cells of lines, separated as in the first of them."""
+    separator = max(",;\t", key=numbered[0][1].count) if numbered else ","
+    return [(number, next(csv.reader([line], delimiter=separator))) for number, line in numbered]
+
+
+def _chosen_columns(
+    file: str, numbered: list[tuple[int, str]], columns: Mapping[str, str]
+) -> list[tuple[int, list[str]]]:
+    """The cells from the heading on, of the chosen columns only and under their quantities' names.
 
     The heading is the first line that has all these columns. Rows without a number may follow it, first that of units.
     """
     wanted = {quantity: split_heading(heading) for quantity, heading in columns.items()}
-    for place, (number, line) in enumerate(numbered):
-        separator = max(",;\t", key=line.count)
-        cells = [cell.strip() for cell in next(csv.reader([line], delimiter=separator))]
+    for place, (number, _) in enumerate(numbered):
+        cells = [cell.strip() for cell in _cells(numbered[place : place + 1])[0][1]]
         names = [split_heading(cell)[0] for cell in cells]
         if not all(name in names or name in cells for name, _ in wanted.values()):
             continue
         places = [(cells if name in cells else names).index(name) for name, _ in wanted.values()]
-        body = numbered[place + 1 :]
-        rows = [(n, next(csv.reader([text], delimiter=separator))) for n, text in body]
+        rows = _cells(numbered[place:])[1:]
         first = next((k for k, (_, row) in enumerate(rows) if any(map(_is_number, row))), len(rows))
         below = [*(rows[0][1] if first else ()), *[""] * len(cells)]  # a row of units
         own = [split_heading(cells[k])[1] or below[k].strip(" []()") for k in places]
         units = [unit or mine for (_, unit), mine in zip(wanted.values(), own, strict=True)]
         heading = [f"{name} [{unit}]" for name, unit in zip(wanted, units, strict=True)]
-        picked = [(n, [row[k].strip() if k < len(row) else "" for k in places]) for n, row in rows[first:]]
-        return [(number, ",".join(heading)), *((n, ",".join(map(_quoted, row))) for n, row in picked)]
+        picked = ((n, [row[k].strip() if k < len(row) else "" for k in places]) for n, row in rows[first:])
+        return [(number, heading), *picked]
     missing = ", ".join(shown(heading) for heading in columns.values())
     number, longest = max(numbered, key=lambda one: len(re.findall(r"[A-Za-z]\w*", one[1])), default=(None, ""))
     hint = f"; line {number} has {shown(longest.strip())}" if longest else ""
@@ -235,10 +238,6 @@ def _is_number(cell: str) -> bool:
     except ValueError:
         return False
     return True
-
-
-def _quoted(cell: str) -> str:
-    return f'"{cell}"' if set(cell) & set(",;\t") else cell
 
 
 def _columns(

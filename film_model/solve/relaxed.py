@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from film_model.base.arrays import Array
+from film_model.base.arrays import Array, either, greater
 from film_model.base.errors import CoreError
 from film_model.core import native, relaxing
 from film_model.core.columns import Columns
@@ -85,12 +86,18 @@ def finest(problem: Problem, accuracy: float) -> tuple[float, float]:
         tolerance *= FINER
         status, fine = problem.relax(tolerance)
         raise_failure(status, problem)
-        here = difference(problem, coarse, fine)
-        apart = max(here, before / FALL if before < 1.0 else 0.0)
-        estimated = FACTOR * apart + FLOOR * tolerance + rounding(problem, fine)
+        estimated, before = _estimate(problem, coarse, fine, before, tolerance)
         if estimated <= accuracy or tolerance < FINEST:
             return tolerance, estimated
-        coarse, before = fine, here
+        coarse = fine
+
+
+def _estimate(problem: Problem, coarse: Any, fine: Any, before: Any, tolerance: float) -> tuple[Any, Any]:
+    """Bound on the error of one impact or of many, and the difference of two runs. before: that of the runs before; 1
+    if there were none."""
+    here = difference(problem, coarse, fine)
+    apart = greater(here, either(before < 1.0, before / FALL, 0.0))
+    return FACTOR * apart + FLOOR * tolerance + rounding(problem, fine), here
 
 
 def relax_many(problem: Problem, solver: Solver) -> tuple[NDArray[np.int32], Columns, Array]:
@@ -103,10 +110,9 @@ def relax_many(problem: Problem, solver: Solver) -> tuple[NDArray[np.int32], Col
         tolerance *= FINER
         part = problem.part(left)
         found, fine = part.relax(tolerance)
-        here = difference(part, Columns(core.table[left]), fine)
-        older = np.where(before[left] < 1.0, before[left] / FALL, 0.0)
-        estimated[left] = FACTOR * np.maximum(here, older) + FLOOR * tolerance + rounding(part, fine)
-        before[left], status[left], core.table[left] = here, found, fine.table
+        coarse = Columns(core.table[left])
+        estimated[left], before[left] = _estimate(part, coarse, fine, before[left], tolerance)
+        status[left], core.table[left] = found, fine.table
         estimated[status < 0] = np.nan
         left = left[(estimated[left] > accuracy) & (found >= 0)]
     return status, core, estimated

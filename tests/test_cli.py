@@ -319,7 +319,7 @@ def test_a_command_is_parsed_alike_with_and_without_the_others():
             {"pint", "scipy", "xarray", "matplotlib", "film_datasets", "pathlib", "film_model.face"}
             | {"film_model.laws.tsuji", "film_model.laws.jkr", "film_model.targets.plate", "film_model.solve.vibration"}
             | {"film_model.core.modal", "film_model.cli.datasets", "film_model.solve.sensed", "film_model.targets.ritz"}
-            | {"film_model.core.panels", "film_model.core.relaxing"},
+            | {"film_model.core.panels", "film_model.core.relaxing", "film_model.scene.chain"},
         ),
         (
             "import tempfile; from film_model.cli.main import main; "

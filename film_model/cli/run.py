@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import os
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
@@ -20,7 +21,6 @@ from film_model.cli.output import (
 )
 
 if TYPE_CHECKING:
-    from film_model.scene.chain import Chain
     from film_model.solve.bounce import Bounce, Bounces
     from film_model.solve.chain_motion import ChainMotion
     from film_model.solve.history import History
@@ -77,13 +77,16 @@ def add_commands(commands: Commands) -> None:
 
 
 def run(options: argparse.Namespace) -> int:
-    from film_model.scene.chain import Chain, read
+    from film_model.scene.scene import scene_of
+    from film_model.scene.toml import read_text, toml_table
     from film_model.solve.simulate import simulate_quietly
 
     check_dataset(options)
-    scene = read(options.scene)
-    if isinstance(scene, Chain):
-        return run_chain(scene, options)
+    text, name = read_text(options.scene)
+    table, folder = toml_table(text, name), os.path.dirname(options.scene)
+    if "bodies" in table:
+        return run_chain(text, name, folder, options)
+    scene = scene_of(table, text, name, folder)
     history = simulate_quietly(
         scene,
         accuracy=options.accuracy,
@@ -92,10 +95,10 @@ def run(options: argparse.Namespace) -> int:
         derivatives=listed(options.derivatives),
     )
 
-    def text() -> str:
+    def shown() -> str:
         return "\n".join([_table(history, options.verbose), *_derivatives(history)])
 
-    return give_result(options, history, text, strobe=lambda path: pictures.plot_strobe(history, path))
+    return give_result(options, history, shown, strobe=lambda path: pictures.plot_strobe(history, path))
 
 
 def _table(history: History, verbose: bool) -> str:
@@ -191,12 +194,14 @@ def _derivatives(history: History) -> list[str]:
     return lines
 
 
-def run_chain(chain: Chain, options: argparse.Namespace) -> int:
+def run_chain(text: str, name: str, folder: str, options: argparse.Namespace) -> int:
+    from film_model.scene.chain import Chain
     from film_model.solve.chain_motion import simulate_chain_quietly
 
-    for name in ("strobe", "segments", "linearisation", "derivatives"):
-        if getattr(options, name):
-            raise ValueError(f"--{name} is not for a chain of bodies")
+    chain = Chain.from_text(text, name, folder)
+    for option in ("strobe", "segments", "linearisation", "derivatives"):
+        if getattr(options, option):
+            raise ValueError(f"--{option} is not for a chain of bodies")
     if options.accuracy is not None:
         table = chain.to_table()
         chain = chain.from_table({**table, "solver": {**table["solver"], "accuracy": options.accuracy}})

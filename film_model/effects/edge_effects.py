@@ -7,7 +7,7 @@ vibrations, the target follows by its static stiffness, in series with the conta
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, NamedTuple
@@ -73,7 +73,7 @@ def may_differ(scene: Scene) -> bool:
     return endless(target.impedance) or (wanted is not False and (asked or not target.finite))
 
 
-def ways_of(impacts: Impacts) -> Iterator[Way]:
+def ways_of(impacts: Impacts) -> Iterable[Way]:
     """How the target moves in one impact; or in many that share a law and a curve, in parts.
 
     Boundary reflections: :func:`film_model.effects.judged.reflections` for the impact on the infinite plate. Target
@@ -81,10 +81,13 @@ def ways_of(impacts: Impacts) -> Iterator[Way]:
     or whose law may not follow its static stiffness, and those whose scene asks for an effect that cannot be simulated;
     for one impact this raises SimulationError.
     """
+    if not edged(impacts.scene):
+        return (Way(impacts, Support(impacts.numbers.impedance)),)
+    return _with_edges(impacts)
+
+
+def _with_edges(impacts: Impacts) -> Iterator[Way]:
     scene = impacts.scene
-    if not edged(scene):
-        yield Way(impacts, Support(impacts.numbers.impedance))
-        return
     stretches = scene.effects.boundary_reflections is not False and stretching.possible(scene)
     try:
         for way in without_stretching(_Edges(impacts)):

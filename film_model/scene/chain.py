@@ -16,7 +16,7 @@ from film_model.scene.chain_body import MOST_BODIES, ChainBody
 from film_model.scene.contact import Contact, contact_table
 from film_model.scene.impactor import Sphere
 from film_model.scene.options import Effects
-from film_model.scene.scene import Scene, scene_of
+from film_model.scene.scene import Scene
 from film_model.scene.sections import target_of
 from film_model.scene.toml import find_files, placed, read_text, text_from_table, toml_table
 from film_model.targets import AbstractTarget, Body, HalfSpace
@@ -316,7 +316,12 @@ class Chain(InUnits):
     def from_text(cls, text: str, name: str = "chain", folder: str | None = "") -> Chain:
         """Read the text of such a file. name: of the file, in messages. folder: for relative paths; None: refuse
         them."""
-        return _chain_of(toml_table(text, name), text, name, folder)
+        table = toml_table(text, name)
+        find_files(table, text, name, folder)
+        try:
+            return cls.from_table(table)
+        except SceneError as error:
+            raise placed(error.mistakes, text, name) from None
 
     @classmethod
     def from_table(cls, table: Mapping[str, Any]) -> Chain:
@@ -367,24 +372,6 @@ class Chain(InUnits):
     def to_toml(self) -> str:
         """The text of a file from which :meth:`from_text` makes the same chain, to the last bit."""
         return text_from_table(self.to_table())
-
-
-def read(path: str | os.PathLike[str]) -> Scene | Chain:
-    """The chain in a file with sections [[bodies]], else the scene; all mistakes are raised in one SceneError."""
-    text, name = read_text(path)
-    table = toml_table(text, name)
-    if "bodies" in table:
-        return _chain_of(table, text, name, os.path.dirname(os.fspath(path)))
-    return scene_of(table, text, name, os.path.dirname(os.fspath(path)))
-
-
-def _chain_of(table: dict[str, Any], text: str, name: str, folder: str | None) -> Chain:
-    """The chain in the table of a text. name: of its file, in messages. folder: of relative paths; None: no paths."""
-    find_files(table, text, name, folder)
-    try:
-        return Chain.from_table(table)
-    except SceneError as error:
-        raise placed(error.mistakes, text, name) from None
 
 
 def _renamed(mistake: Mistake, one: str, other: str) -> Mistake:

@@ -19,7 +19,6 @@ from film_model.base.late import Late
 from film_model.core import native
 from film_model.effects.choose import Choice
 from film_model.effects.effect import Effect
-from film_model.oblique.result import Oblique
 from film_model.problem.model_intervals import ModelInterval, model_interval, no_interval
 from film_model.problem.problem import Problem
 from film_model.problem.summary import SUMMARY
@@ -27,6 +26,7 @@ from film_model.scene import Scene
 
 if TYPE_CHECKING:
     from film_model.base.text import Text
+    from film_model.oblique.result import Oblique
     from film_model.solve.closed_form import ClosedForm
     from film_model.solve.derivatives import Derivatives
     from film_model.solve.modal_motion import ModalMotion

@@ -126,26 +126,23 @@ def used(impacts: Impacts, rates: Callable[[Any], Any], first: Any = 1.0) -> Any
 
 def hardened(static: Problem) -> Problem | None:
     """One impact with the strength at its own rate; None if :func:`factor_of` is unknown. static: without weight."""
-    factor = factor_of(static.impacts, _rates(static))
-    return None if math.isnan(factor) else strengthened(static, factor)
+    return _strong(static, factor_of)
 
 
 def applied(static: Problem) -> Problem | None:
     """One impact with the strength at its own rate if this is simulated, else None."""
-    factor = used(static.impacts, _rates(static))
-    return None if factor is None else strengthened(static, factor)
+    return _strong(static, used)
 
 
-def _rates(static: Problem) -> Callable[[float], float]:
-    """The strain rate of one impact as a function of S/S_y; nan if the higher strength is beyond the law's range."""
-
+def _strong(static: Problem, rule: Callable[..., Any]) -> Problem | None:
     def rate(factor: float) -> float:
         try:
             return strain_rate(strengthened(static, factor))
-        except ValueError:
+        except ValueError:  # the higher strength is beyond the law's range
             return math.nan
 
-    return rate
+    factor = rule(static.impacts, rate)
+    return None if factor is None or math.isnan(factor) else strengthened(static, factor)
 
 
 def describe(static: Problem, used: Problem | None, yields: bool) -> Effect:

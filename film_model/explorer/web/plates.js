@@ -1,4 +1,4 @@
-// Plates of finite size: how they move between their edges, by the rules of film_model/effects/edge_effects.py.
+// Plates of finite size: how they move between their edges, by a table of film_model/effects/edge_effects.py.
 
 /** Sides and struck point of a plate, m; null without sides. @param {Scene} scene */
 function sidesOf(scene) {

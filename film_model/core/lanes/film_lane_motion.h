@@ -147,8 +147,8 @@ typedef struct {
     double xi[LANES], nu[LANES], rate[LANES], pull[LANES], h[LANES], share[LANES];
 } knot_step;
 
-/* From sample k over `each` to the next; an incomplete block is filled up with its first impact. At first touch a damping force is a root of
- * time. */
+/* From sample k over `each` of them; an incomplete block is filled up with its first impact. The first step of damped contacts is in four,
+ * as a damping force may begin as a root of time. */
 static void step_between(const motions_wanted *m, moving_lanes *restrict s, int count, int64_t k, int each, knot_step *restrict p) {
     double h[LANES];
     int parts = k == 0 && m->curve->stage[0].damped ? 4 : 1;
@@ -167,7 +167,7 @@ static void step_between(const motions_wanted *m, moving_lanes *restrict s, int 
     }
 }
 
-/* A value after a share of a step, from those before and after and their rates: the rest of a cubic beyond the line. */
+/* The cubic between two values, at a share of the step between. rate, last: their rates, over the step. */
 INLINED double in_step(double share, double before, double after, double rate, double last) {
     double way = after - before;
     return before + share * (rate + share * (3.0 * way - 2.0 * rate - last + share * (rate + last - 2.0 * way)));
@@ -185,12 +185,13 @@ static void put_between(const motions_wanted *m, const moving_lanes *restrict s,
     put_sample(m, count, k, xi, force, slope);
 }
 
-/* A leg from sample `first` to `last`, by steps over two samples but for the first ones. */
+/* A leg from sample `first` to `last`, by steps over two samples but for the first ones, and of damped contacts. */
 static void move_leg(const motions_wanted *m, moving_lanes *restrict s, int count, int64_t first, int64_t last) {
     knot_step p;
+    int damped = m->curve->stage[0].damped;
     put_sample(m, count, first, s->xi, s->force, s->slope);
     for (int64_t k = first; k < last;) {
-        int each = k < SINGLE || k + 1 == last ? 1 : 2;
+        int each = damped || k < SINGLE || k + 1 == last ? 1 : 2;
         step_between(m, s, count, k, each, &p);
         if (each == 2) put_between(m, s, count, k + 1, &p);
         k += each;

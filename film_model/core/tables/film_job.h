@@ -76,7 +76,7 @@ typedef struct {
 
 /* A law as cubics in the indentation since the beginning of a stage, eight between one and its double, as a force may begin a stage as a
  * root: in stage k the one whose number is that of the first bits of that indentation, at least least[k], less first[k]. They hold up to
- * the indentation `most`. Error: below 4e-7 of the force. */
+ * the indentation `most`. Error: 5e-6 of the largest force, at first touch that at CUBIC_LEAST (tests/test_recorded_motions.py). */
 enum { CUBIC_SHIFT = 49, CUBIC_ROWS = 1536, DAMPED_ROWS = 8 * 72 };
 #define CUBIC_LEAST 0x1p-40
 #define CUBIC_MOST 0x1p+31

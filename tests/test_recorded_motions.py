@@ -69,7 +69,7 @@ def test_a_motion_on_a_curve_of_its_own_is_that_on_the_curve_of_all(law):
     """Which lanes have in cubics."""
     _, problem, legs = made(law, count=50)
     shared, curve = problem.motions(legs, 32), problem.curve.native
-    first = np.frombuffer(curve, np.float64, 1)
+    first = np.frombuffer(bytes(curve), np.float64, 1)
     rows = families.Rows(curve, values=np.full((50, 1), first), places=np.zeros(1, np.int32))
     own = families.motions(rows, problem.start, legs, 32, problem.curve.reversible)
     largest = shared.force.max(axis=1)

@@ -167,8 +167,8 @@ def _structure(target: Any, modes: OtherModes, problem: Problem) -> structures.S
     """These vibrations as the core takes them."""
     ratio = np.full(modes.frequency.size, getattr(target, "damping_ratio", None) or 0.0)
     tables = Tables(modes.frequency, modes.share, ratio, structures.rounded(problem.scales.time))
-    found = structures.Structure(modes.highest, tables, 0.0, 0.0, tables)
-    return structures.softer(found, modes.omitted) if modes.omitted else found
+    found = structures.Structure(modes.highest, tables, 0.0, modes.omitted, tables)
+    return found.softer if modes.omitted else found
 
 
 def main() -> None:

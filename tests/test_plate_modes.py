@@ -4,8 +4,10 @@ import ctypes
 import itertools
 import math
 import os
+import runpy
 import subprocess
 import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -21,6 +23,7 @@ from film_model.targets.modes import pulse_response
 from film_model.targets.panel_statics import SEEN, compliance_and_error, panel_compliance, unit_compliance
 from film_model.targets.plate_modes import plate_modes
 from film_model.targets.ritz import Panel, panel_modes
+from film_model.targets.ritz_errors import missed
 
 WORDS = {"S": "simply supported", "C": "clamped", "F": "free"}
 ISOTROPIC = (1.0, 0.3, 1.0, 0.35)
@@ -156,6 +159,23 @@ def test_frequencies_converge(letters):
     many = panel_modes(panel(letters), OFF_CENTRE, 700.0).frequency[: few.size]
     assert few == pytest.approx(many, rel=3e-4, abs=1e-6)
     assert few[:4] == pytest.approx(many[:4], rel=1e-5 if letters != "CFFF" else 1e-4, abs=1e-9)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("letters", ["CCCC", "CSCC", "SFFF", "FFFF", "CFCF", "CCFF", "SCFF"])
+def test_errors_of_frequencies_are_known(letters, monkeypatch):
+    """Against B-splines half are below what `missed` says, and nine in ten below twice as much."""
+    root = Path(__file__).parent.parent
+    monkeypatch.syspath_prepend(root)
+    of_plate = runpy.run_path(str(root / "benchmarks" / "other_plates.py"))["of_plate"]
+    edges, highest = [WORDS[letter] for letter in letters], 3e5
+    target = fm.Plate(
+        "mild steel", "4 mm", size=["200 mm", "150 mm"], edges=edges, position=["71 mm", "53 mm"], theory="kirchhoff"
+    )
+    found, exact = (each[each > 0.0] for each in (target.modes(highest).frequency, of_plate(target, 1.2 * highest)[1]))
+    errors = found / exact[np.abs(exact[:, None] - found).argmin(axis=0)] - 1.0
+    half, most = np.quantile(errors / missed(found / highest, target.inexact.cornered), [0.5, 0.9])
+    assert half < 1.0 and 0.5 < most < 2.0
 
 
 @pytest.mark.parametrize("ends", list(itertools.product(WORDS.values(), repeat=2)))

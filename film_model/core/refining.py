@@ -11,7 +11,8 @@ from film_model.core import modal, native
 from film_model.core.headers import Header
 
 REFINE = Header("modal/film_refine.h", modal.MODAL, native.SOLVE)
-ENOUGH, RUN, SHARES, SOFTER, FEWER, FAILED = REFINE.film("ENOUGH", "RUN", "SHARES", "SOFTER", "FEWER", "FAILED")
+ASKS = tuple(REFINE.film("ENOUGH", "RUN", "SHARES", "SOFTER", "FEWER", "FAILED"))
+ENOUGH, RUN, SHARES, SOFTER, FEWER, FAILED = ASKS
 """What may be asked for; no more; the run that just failed was needed."""
 
 REFINED, MOST_FOLLOWED = REFINE.film("REFINED", "MOST_FOLLOWED")

@@ -310,7 +310,7 @@ def layout() -> dict[str, Any]:
     return found | {
         "curve": ctypes.sizeof(native.Curve),
         "most_segments": MOST_SEGMENTS,
-        "events": native.EVENTS,
+        **{"events": native.EVENTS, "asks": refining.ASKS},
         "whole": [own[0] for kind in WHOLE for own in kind._fields_ if own[1] is ctypes.c_int32],
         "levels": modal.LEVELS,
     }

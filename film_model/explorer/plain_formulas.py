@@ -19,7 +19,7 @@ from film_model.problem.brittle import failure
 from film_model.problem.model_intervals import at_residual, extrapolated, kind_of
 from film_model.scene.options import tolerance_for
 from film_model.solve import structures
-from film_model.targets import panel_statics
+from film_model.targets import panel_statics, ritz_errors
 from film_model.targets.bending_stiffness import unstable
 
 
@@ -42,6 +42,7 @@ PLAIN: dict[str, tuple[Callable[..., Any], str]] = {
     "feltAlong": (panel_statics.felt_along, "near beyond cut ends"),
     "lacking": (panel_statics.lacking, "found vague"),
     "grown": (panel_statics.grown, "found error"),
+    "missed": (ritz_errors.missed, "part"),
     "toleranceFor": (tolerance_for, "tolerance"),
     "unstable": (unstable, "unstable"),
     "wavesMatter": (wave_losses.may_matter, "may"),

@@ -111,6 +111,8 @@ def data(choice: Choice) -> tuple[dict[str, Any] | None, str]:
     if modes.tables.count > MOST_MODES:
         return None, f"the {target.kind} moves by {modes.tables.count} natural vibrations, too many for a page"
     found |= {"lacking": modes.omitted, "highest": modes.highest}
+    inexact = target.inexact
+    found["inexact"] = inexact and {"cornered": inexact.cornered, "crossing": inexact.crossing}
     found |= {"lowest": structures.lowest_frequency(target), "rate": structures.rate_of(target)}
     found["steps"] = structures.steps_of(target)
     if carried:

@@ -23,6 +23,7 @@ from film_model.scene.chain import Chain, Link
 from film_model.solve.mode_formulas import FIRST_PHASE
 from film_model.solve.structures import rounded
 from film_model.targets import AbstractTarget, Modes
+from film_model.targets.ritz_errors import raised
 from film_model.targets.several import omitted, seen
 
 STEP = 0.01
@@ -31,7 +32,7 @@ STEP = 0.01
 
 class Followed(NamedTuple):
     """How a chain was followed: up to which frequency of the target, rad/s, and with which tolerance of a step. softer:
-    with the bound on the error of the static compliances added to them."""
+    with the errors of the frequencies and of the static compliances added to them."""
 
     highest: float
     tolerance: float
@@ -59,7 +60,7 @@ class Structure:
 
     @property
     def inexact(self) -> bool:
-        """Whether the static compliances have errors."""
+        """Whether the static compliances have errors, and frequencies may have."""
         return self.target is not None and self.target.compliance_error > 0.0
 
     def at_links(self, chain: Chain, points: Array) -> Array:
@@ -87,14 +88,17 @@ def _vibrations(target: AbstractTarget, points: tuple[str, ...], highest: float,
         raise TooManyModes(
             f"{count} natural vibrations would be needed, more than {MOST_FOLLOWED}: give a lower accuracy"
         )
+    inexact = target.inexact if softer else None
+    frequency, _ = raised(inexact, found.frequency, found.frequency, highest)
     more = np.zeros((len(found.shapes), len(points)))
     for k, point in enumerate(points):
         modes = Modes(found.frequency, found.shapes[k] ** 2)
         lacking, error = omitted(target, point, modes, highest)
+        error += raised(inexact, modes.frequency, modes.share, highest)[1]
         more[k, k] = math.sqrt(lacking * (lacking > rounding * modes.compliance) + error * softer)
     above = np.full(len(points), 1.5 * highest)  # frequency of the modes that stand for the omitted ones
-    frequency = np.append(found.frequency, above)
-    drag = np.append(2.0 * found.ratio * found.frequency, 0.0 * above)
+    drag = np.append(2.0 * found.ratio * frequency, 0.0 * above)
+    frequency = np.append(frequency, above)
     used = np.append(np.ones(count, dtype=bool), more.any(axis=0))
     return chaining.Vibrations(
         *(part[..., used] for part in (frequency**2, drag, np.hstack([found.shapes, more * above])))
@@ -119,8 +123,8 @@ def refined(
     """The run with as many vibrations as the accuracy needs, how it was followed, and its error estimate.
 
     first: highest frequency of the first run, rad/s. It is doubled until three runs agree, as in
-    `film_model.solve.vibration.vibrate`. damped: whether a law is. inexact: whether the static compliances have
-    errors; their effect is that of one more run.
+    `film_model.solve.vibration.vibrate`. damped: whether a law is. inexact: whether frequencies or static
+    compliances have errors; their effect is that of one more run.
     """
     growth = 5  # work of a run over that of one with half the highest frequency, about
     followed, runs, work, estimated = [Followed(first, STEP * accuracy)], list[chaining.Run](), 0, math.inf

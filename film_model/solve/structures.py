@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from typing import Any
 
 import numpy as np
@@ -22,6 +22,8 @@ from film_model.core.refining import MOST_FOLLOWED
 from film_model.problem.curve import can_be_in_series
 from film_model.problem.problem import Problem
 from film_model.targets import AbstractTarget, Modes
+from film_model.targets.ritz import Panel
+from film_model.targets.ritz_errors import raised
 
 ABOVE, RATIO = 4.0, 0.5
 """Frequency of the mode that stands for the omitted ones, over the highest, and its damping ratio. Without damping it
@@ -36,7 +38,7 @@ SLOWEST = 2.0**-20
 @dataclass(frozen=True)
 class Structure:
     """A target's modes up to the frequency `highest` [rad/s], with the core's tables, which are kept. omitted: the
-    remaining compliance, m/N. error: bound on its error."""
+    remaining compliance, m/N. error: bound on its error. inexact: the plate whose frequencies have errors."""
 
     highest: float
     tables: modal.Tables
@@ -44,6 +46,27 @@ class Structure:
     error: float
     with_omitted: modal.Tables
     """The same with one more mode of the omitted compliance."""
+    inexact: Panel | None = None
+
+    @cached_property
+    def raised(self) -> tuple[Array, float]:
+        """The frequencies with their errors, and what the modes then lack, as of :func:`ritz.raised`."""
+        return raised(self.inexact, self.tables.frequency, self.tables.share, self.highest)
+
+    @property
+    def doubt(self) -> float:
+        """Compliance that may be omitted in addition, m/N: by its error, and what the modes lack."""
+        return self.error + self.raised[1]
+
+    @cached_property
+    def softer(self) -> Structure:
+        """The same with all errors."""
+        own, omitted = self.tables, self.omitted + self.doubt
+        modes = Modes(self.raised[0], own.share, own.ratio)
+        columns = modes.frequency, modes.share, modes.damping_ratio
+        tables = own if self.inexact is None else modal.Tables(*columns, own.longest, own.forms)
+        with_omitted = _with_omitted(modes, omitted, self.highest, own.longest, own.forms)
+        return replace(self, tables=tables, omitted=omitted, with_omitted=with_omitted)
 
 
 CARRIED = 16
@@ -117,17 +140,7 @@ def made(target: AbstractTarget, highest: float, longest: float, carried: int = 
         omitted,
         error,
         _with_omitted(modes, omitted, highest, longest, forms) if omitted > 0.0 else tables,
-    )
-
-
-def softer(structure: Structure, error: float) -> Structure:
-    """The same with more omitted compliance, m/N."""
-    own, omitted = structure.tables, structure.omitted + error
-    modes = Modes(own.frequency, own.share, own.ratio)
-    return replace(
-        structure,
-        omitted=omitted,
-        with_omitted=_with_omitted(modes, omitted, structure.highest, own.longest, own.forms),
+        target.inexact,
     )
 
 

@@ -47,7 +47,7 @@ class Vibration(ModalMotion):
     contacts: int
     waited: bool
     target_error: float = 0.0
-    """Relative error of the summary by the error of the target's static compliance."""
+    """Relative error of the summary by the errors of the target's frequencies and static compliance."""
 
     @property
     def event_names(self) -> list[str]:
@@ -98,10 +98,10 @@ def vibrate(
 ) -> tuple[Vibration, float]:
     """The impact with as many modes as the accuracy needs, and the error estimate. recorded: with its motion.
 
-    The highest frequency is doubled, with a smaller tolerance of the steps, until three runs agree; after the first run
-    without a run, as long as contact follows modes near it quickly: film_refine.h decides. If more modes are needed
-    than are allowed, or all runs together would take more work, the result is that of the last run, and a warning gives
-    the accuracy reached.
+    The highest frequency is raised, with a smaller tolerance of the steps, until three runs agree; after the first run
+    without a run, as long as contact follows modes near it quickly: film_refine.c decides by how much. If more modes
+    are needed than are allowed, or all runs together would take more work, the result is that of the last run, and a
+    warning gives the accuracy reached.
     """
     unit, (limit, least) = problem.scales.time, _following(problem, target)
     first = structures.on_grid(target, least)
@@ -142,13 +142,13 @@ def _refined(
             structure, taken = modes(plan.highest, 1 + (plan.ask == refining.FEWER)), refining.Run()
             taken.shares = structure.tables.share.sum()
             if plan.ask == refining.SOFTER:
-                structure = structures.softer(structure, structure.error)
+                structure = structure.softer
             if plan.ask != refining.SHARES:
                 room = 2 * lines * (recorded and plan.final and plan.ask == refining.RUN)
                 one = run(problem, structure, plan.tolerance, limit, room > 0, room)
                 lines = int(one.summary.lines)
                 taken.core, taken.modes = one.summary, one.modes
-                taken.omitted, taken.error = structure.omitted, structure.error
+                taken.omitted, taken.error = structure.omitted, structure.doubt
                 if plan.ask == refining.RUN:
                     found[plan.highest] = one
             plan.take(taken)
@@ -171,9 +171,13 @@ def _doubts(
         yield f"{missed} with {found.modes} modes the estimated relative errors are {poor}"
     if own > accuracy or plan.estimated <= accuracy < plan.estimated + own:
         known, poor = fewer.error / fewer.omitted if fewer.omitted else 1.0, _above(changes, min(accuracy, 0.99 * own))
+        also = ""
+        if fewer.inexact is not None:
+            high = float(fewer.raised[0][-1] / fewer.tables.frequency[-1]) - 1.0
+            also = f"frequencies are known within {high:.1e}, and "
         yield (
-            f"{missed} how far vibrations above those that are followed deflect the {target.kind} is known within "
-            f"{known:.1e}, which changes at most {poor}"
+            f"{missed} {also}how far vibrations above those that are followed deflect the {target.kind} is known "
+            f"within {known:.1e}, which changes at most {poor}"
         )
     if plan.membrane > accuracy:
         yield (

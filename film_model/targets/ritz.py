@@ -11,6 +11,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
+from itertools import product
 from typing import Any, cast
 
 import numpy as np
@@ -98,6 +99,22 @@ class Panel:
         """The edges that bound x, and those that bound y."""
         return self.edges[:2], self.edges[2:]
 
+    @property
+    def exact(self) -> bool:
+        """Whether its frequencies are: each half-wave between two simply supported edges vibrates alone."""
+        return SIMPLE in self.ends
+
+    @property
+    def crossing(self) -> float:
+        """About the rate at which bending crosses the shorter side, 1/s."""
+        sides = zip(self.stiffness[::2], self.size, strict=True)
+        return math.pi * max(math.sqrt(d / self.mass_per_area) / side**2 for d, side in sides)
+
+    @property
+    def cornered(self) -> bool:
+        """Whether a clamped edge meets a free one: the moment there has no bound."""
+        return any({one, other} == {"clamped", "free"} for one, other in product(*self.ends))
+
     @cached_property
     def core(self) -> panels.Panel:
         """The same in the core."""
@@ -139,7 +156,7 @@ def panel_modes(panel: Panel, position: tuple[float, float], highest: float, oth
 def unit_modes(panel: Panel, points: Points, highest: float) -> Modes:
     """The same of any plate by itself, struck at the first of the points."""
     position = points[0][:2]
-    if SIMPLE in panel.ends:
+    if panel.exact:
         return seen_modes(panel, _strips(panel, points, highest), highest)
     waves = [panels.waves(panel.core, along, highest) for along in (0, 1)]
     for along, number in enumerate(waves):

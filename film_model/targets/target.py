@@ -250,6 +250,12 @@ class AbstractTarget(InUnits, ABC):
             return omitted_compliance(*self.panel, modes, highest)
         return max((self.compliance or 0.0) - modes.compliance, 0.0), self.compliance_error
 
+    @property
+    def inexact(self) -> Panel | None:
+        """The plate whose frequencies Ritz's method makes too high; None if they are exact or given."""
+        panel = self.panel and self.panel[0]
+        return panel if panel and not panel.exact else None
+
     def reflections(self, impact: Impact) -> Estimate:
         """Waves that return from edges or ends before contact ends."""
         what = "a free body" if self.free else f"a {self.kind}"

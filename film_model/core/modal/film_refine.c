@@ -21,14 +21,13 @@ static const double NEGLIGIBLE = 1e-3;
  * it, and which run shows that more bring no accuracy is not known before. */
 enum { MANY = 400 };
 
-/* Bound on the error of a run over its difference to one with half the highest frequency. The omitted compliance of damped laws is a
- * mode, and errors up to 4 times the difference; plates without closed forms have errors of their frequencies too.
- * benchmarks/random_structures.py compares estimates with errors. */
-static const double FACTOR = 5.0;
+/* Bound on the error of a run over its difference to one with half the highest frequency, without damping of the law and with. The
+ * omitted compliance of damped laws is a mode, and errors up to 4 times the difference. benchmarks/random_structures.py compares
+ * estimates with errors. */
+static const double FACTOR[] = {3.0, 5.0};
 
-/* By how much doubling the highest frequency divides the error at least, without damping of the law and with. If a difference falls
- * by more, two runs may agree by chance: the estimate is then from the difference before. With 4 and with 12 as many errors are
- * bounded. */
+/* By how much doubling the highest frequency divides the error at least, likewise. If a difference falls by more, two runs may agree
+ * by chance: the estimate is then from the difference before. With 4 and with 12 as many errors are bounded. */
 static const double FALL[] = {8.0, 4.0};
 
 /* Factor of the impulse that scales the tolerance of a step. With half or twice as much impacts take about as long. */
@@ -52,7 +51,7 @@ double film_tightened(double tolerance, double share) { return larger(tolerance 
 double film_step_tolerance(double accuracy) { return film_tightened(accuracy, STEP); }
 
 void film_refine_bounds(int damped, int64_t count, const double *before, const double *change, double *bound) {
-    for (int64_t i = 0; i < count; i++) bound[i] = FACTOR * larger(change[i], before[i] / FALL[damped != 0]);
+    for (int64_t i = 0; i < count; i++) bound[i] = FACTOR[damped != 0] * larger(change[i], before[i] / FALL[damped != 0]);
 }
 
 /* Rate at which the contact follows the structure: its stiffness times the sum of the modes' shares, which is about proportional to the
@@ -116,7 +115,7 @@ static void skip(film_refine *r, double shares) {
     }
 }
 
-/* The estimate is known: how far do the error of the omitted compliance and the number of modes with membrane forces change the
+/* The estimate is known: how far do the errors of frequencies and omitted compliance and the number of modes with membrane forces change the
  * result? */
 static void judge(film_refine *r, int asked) {
     const film_run *coarse = &r->runs[r->count - 2], *fine = &r->runs[r->count - 1];

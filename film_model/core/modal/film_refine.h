@@ -10,7 +10,7 @@ enum {
     FILM_ENOUGH = 0, /* no more: the result is the run up to `highest` */
     FILM_RUN = 1,    /* an impact on the modes up to `highest`, with steps of this `tolerance` */
     FILM_SHARES = 2, /* only the sum of the shares of the modes up to `highest` */
-    FILM_SOFTER = 3, /* a run with more omitted compliance: by its error */
+    FILM_SOFTER = 3, /* a run with frequencies that are higher by their errors, and more omitted compliance: by `error` */
     FILM_FEWER = 4,  /* a run with membrane forces of half as many modes */
     FILM_FAILED = 5, /* the run that just failed was needed */
     FILM_REFINED = 2,           /* tolerance of a step over that of the run with twice the highest frequency */
@@ -19,7 +19,7 @@ enum {
 
 /* A run. core: of the march's units. status: below 0 if it failed; FILM_TOO_MANY: also for too many modes. modes: with the one that
  * stands for the omitted ones. shares: sum of those of all others. omitted, error: compliance of the modes above the highest, and a
- * bound on its error. */
+ * bound on its error, with what the others have less if their frequencies are higher by their errors. */
 typedef struct {
     film_summary core;
     double shares, omitted, error;
@@ -39,7 +39,7 @@ typedef struct {
     int32_t ask, final;
     double highest, tolerance;
     /* the result. below: highest frequency of the run before. errors: estimates, value by value as of film_differences; changes: by
-     * the error of the omitted compliance; estimated: the largest error; own: what the last two kinds of runs add to it */
+     * the errors of frequencies and omitted compliance; estimated: the largest error; own: what the last two kinds of runs add to it */
     double below, estimated, own, membrane;
     double errors[FILM_COMPARED], changes[FILM_COMPARED];
     /* of its own */

@@ -1,7 +1,7 @@
 // Impacts on a target that vibrates: as many of its modes as the accuracy needs, by the rules of film_model/solve/vibration.py.
 
 const TOO_MANY = -5; // status of a march with too many segments
-const [ENOUGH, RUN, SHARES, SOFTER, FEWER, FAILED] = [0, 1, 2, 3, 4, 5]; // of film_refine.h
+const [ENOUGH, RUN, SHARES, SOFTER, FEWER, FAILED] = DATA.layout.asks;
 
 /**
  * How the target moves: as Python computed it, scaled with the plate's thickness, modulus and density of now; null if it does not.
@@ -23,6 +23,7 @@ function supportNow(scene) {
     lowest: rate * support.lowest,
     rate: rate * support.rate,
     highest: rate * support.highest,
+    inexact: support.inexact && { ...support.inexact, crossing: rate * support.inexact.crossing },
     modes: support.modes && { frequency: scaled(frequency, rate), share: scaled(share, lighter), ratio },
     stiffer,
   };
@@ -57,7 +58,7 @@ function feltCompliance(support, fixed, mass) {
 /**
  * The modes up to a frequency in the core's form, kept; with the omitted ones as one more mode for a law that no spring can follow.
  * @param {Scene} scene @param {number} highest in rad/s @param {number} longest step in s @param {boolean} series
- * @param {boolean} soft with more omitted compliance, by its error @param {boolean} few membrane forces on half as many
+ * @param {boolean} soft with the errors of frequencies and of the omitted compliance @param {boolean} few membrane forces on half as many
  */
 function structureOf(scene, highest, longest, series, soft, few) {
   const support = supportNow(scene);
@@ -71,9 +72,13 @@ function structureOf(scene, highest, longest, series, soft, few) {
   const ratio = own === undefined ? seen.modes.ratio : frequency.map(() => own ?? 0);
   let count = frequency.length;
   while (count > 0 && frequency[count - 1] > highest) count--;
-  const omitted = bentBy(seen.modes, count) + seen.lacking + (soft ? seen.error ?? 0 : 0);
   const forms = formsOf(seen, count, few);
   const columns = [frequency, share, ratio].map((/** @type {number[]} */ column) => column.slice(0, count));
+  const raised = columns[0].map((/** @type {number} */ own) => own * (1 + (seen.inexact ? FORMULAS.missed(0.5 * own / highest, seen.inexact.cornered).part : 0)));
+  const [stiff, bent] = [raised, columns[0]].map((own) => bentBy({ frequency: own, share: columns[1] }, 0, seen.inexact?.crossing));
+  const doubt = (seen.error ?? 0) + bent - stiff;
+  if (soft) columns[0] = raised;
+  const omitted = bentBy(seen.modes, count) + seen.lacking + (soft ? doubt : 0);
   const shares = columns[1].reduce((/** @type {number} */ sum, /** @type {number} */ value) => sum + value, 0);
   if (!series && omitted > 0) {
     Object.values(FORMULAS.modeOf(omitted, highest)).forEach((value, k) => columns[k].push(value));
@@ -85,7 +90,7 @@ function structureOf(scene, highest, longest, series, soft, few) {
   const status = CORE.c.film_structure_init(place, count, ...places, longest, levels, memory);
   if (status !== 0) throw new Failure(status);
   CORE.c.film_structure_stretch(place, forms[0]?.length ?? 0, forms.length, CORE.numbersAt(forms.flat(2)));
-  const made = { place, count, omitted, error: seen.error ?? 0, shares, damped: columns[2].some((/** @type {number} */ value) => value > 0) };
+  const made = { place, count, omitted, error: doubt, shares, damped: columns[2].some((/** @type {number} */ value) => value > 0) };
   CORE.structures.set(key, made);
   return made;
 }

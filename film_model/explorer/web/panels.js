@@ -32,6 +32,12 @@ const endsOf = (panel, along) => panel.edges.slice(2 * along, 2 * along + 2);
 /** @param {Panel} panel @param {number} along */
 const simple = (panel, along) => endsOf(panel, along).every((edge) => edge === 0);
 
+/** About the rate at which bending crosses the shorter side, 1/s. @param {Panel} panel */
+const crossing = ({ a, b, d11, d22, mass }) => Math.PI * Math.max(Math.sqrt(d11 / mass) / a ** 2, Math.sqrt(d22 / mass) / b ** 2);
+
+/** Whether a clamped edge meets a free one. @param {Panel} panel */
+const cornered = (panel) => endsOf(panel, 0).some((one) => endsOf(panel, 1).some((other) => one * other === 2));
+
 /** How many groups the functions along a side fall into, which do not interact. @param {Panel} panel @param {number} along @returns {number} */
 const halvesOf = (panel, along) => (panel.edges[2 * along] === panel.edges[2 * along + 1] ? 2 : 1);
 

@@ -75,6 +75,7 @@ function ofEdges(panel, point) {
   return {
     held: !DATA.constants.ritz.loose_edges.includes(panel.edges.join("")),
     limited: true,
+    inexact: simple(panel, 0) || simple(panel, 1) ? null : { cornered: cornered(panel), crossing: crossing(panel) },
     highest,
     upTo: (/** @type {number} */ limit) => ({ modes: modes(limit), ...omittedOf(panel, point, modes(limit), limit, statics()) }),
     get compliance() {

@@ -17,6 +17,9 @@ static const double FOLLOWED = 1.0;
 /* Error of the omitted compliance that does not matter, over that and the contact's, and over the accuracy. */
 static const double NEGLIGIBLE = 1e-3;
 
+/* Error of the omitted compliance over that of the run before, below which one with more modes is worth its time. */
+static const double FALLING = 0.5;
+
 /* Modes of a run of a damped law from which on the next may be the result although it is not expected to be: recording it takes 3 % of
  * it, and which run shows that more bring no accuracy is not known before. */
 enum { MANY = 400 };
@@ -129,6 +132,12 @@ static void judge(film_refine *r, int asked) {
     else ask(r, FILM_ENOUGH, fine->highest, fine->tolerance);
 }
 
+/* Whether the errors of frequencies and omitted compliance are too large and those of a run with more modes are smaller. */
+static int more_tell(const film_refine *r) {
+    const film_run *coarse = &r->runs[r->count - 2], *fine = &r->runs[r->count - 1];
+    return !r->over && r->estimated + r->own > r->accuracy && fine->error < FALLING * coarse->error;
+}
+
 /* With three runs: estimates the error, and ends if it is small enough or no run can follow. Otherwise asks for a higher run. */
 static void compare(film_refine *r, int last) {
     const film_run *fine = &r->runs[r->count - 1];
@@ -142,7 +151,9 @@ static void compare(film_refine *r, int last) {
         memmove(r->estimates, r->estimates + 1, 2 * sizeof r->estimates[0]);
         r->estimates[2] = r->estimated;
         r->tried++;
-        if (r->estimated <= r->accuracy || last || out_of_reach(r, fine->highest)) {
+        r->over = last || out_of_reach(r, fine->highest);
+        if (r->estimated <= r->accuracy || r->over) {
+            r->own = 0.0;
             judge(r, FILM_RUN);
             return;
         }
@@ -193,7 +204,7 @@ static void took_run(film_refine *r, const film_run *run) {
 }
 
 void film_refine_begin(film_refine *r, double first) {
-    r->count = r->tried = r->final = r->earlier = r->stiffer = 0;
+    r->count = r->tried = r->over = r->final = r->earlier = r->stiffer = 0;
     r->work = r->own = r->membrane = 0.0;
     memset(r->changes, 0, sizeof r->changes);
     ask(r, FILM_RUN, first, FILM_REFINED * film_step_tolerance(r->accuracy));
@@ -208,9 +219,12 @@ void film_refine_next(film_refine *r, const film_run *run) {
         r->ask = FILM_FAILED;
     } else if (asked == FILM_SHARES) {
         skip(r, run->shares);
+    } else if (asked == FILM_SOFTER) {
+        r->own = differences(r, &r->runs[r->count - 2], run, r->changes);
+        if (more_tell(r)) go_up(r, r->runs[r->count - 1].highest, film_tightened(r->tolerance, 1.0 / FILM_REFINED));
+        else judge(r, asked);
     } else {
-        if (asked == FILM_SOFTER) r->own += differences(r, &r->runs[r->count - 2], run, r->changes);
-        else r->own += r->membrane = MEMBRANE_FACTOR * differences(r, run, &r->runs[r->count - 1], each);
+        r->own += r->membrane = MEMBRANE_FACTOR * differences(r, run, &r->runs[r->count - 1], each);
         judge(r, asked);
     }
 }

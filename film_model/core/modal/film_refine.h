@@ -45,7 +45,8 @@ typedef struct {
     /* of its own */
     film_run runs[3];
     double work, estimates[3];
-    int32_t count, tried, earlier, stiffer; /* of the run that is asked for: it goes before the others; it has a stiffer omitted mode only */
+    int32_t count, tried, over;
+    int32_t earlier, stiffer; /* of the run that is asked for: it goes before the others; it has a stiffer omitted mode only */
 } film_refine;
 
 /* Asks for the first run, up to the frequency `first`; what is given is set before. */

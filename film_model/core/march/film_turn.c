@@ -5,6 +5,9 @@
  * core_check.c, one_schedule with DAMPED. */
 static const double TURN_ROUNDING = 2e-15;
 
+/* A jump of the turn by less than so many times that is rounding too, or too small to matter. */
+static const double GAP = 64.0;
+
 /* How far the motion goes on a line until it turns, and when; INFINITY if it never does. An over-damped motion that a load
  * pushes creeps up to its balance, and turns there after an infinite time. */
 static double reach_of(const motion *m, double *tau) {
@@ -37,13 +40,14 @@ static double reach_of(const motion *m, double *tau) {
 int film_find_turn(const film_curve *curve, const film_mesh *mesh, film_state *s, double *length, double limit,
                    double tolerance, int plain) {
     double low = 0.0, high = INFINITY, h = *length < limit ? *length : limit;
-    double last_h = 0.0, last_miss = 0.0;
+    double last_h = 0.0, last_miss = 0.0, rounding = 0.0;
     for (int k = 0; k < TURN_ITERATIONS; k++) {
         film_make_turn_line(curve, mesh, s, h, plain);
         motion m = motion_on(s, s->line.phi, s->line.kappa);
         double reach = reach_of(&m, &s->tau_end), miss = reach - h;
         *length = h;
-        if (fabs(miss) <= tolerance * h + TURN_ROUNDING * (fabs(s->xi) + h)) return TURN;
+        rounding = TURN_ROUNDING * (fabs(s->xi) + h);
+        if (fabs(miss) <= tolerance * h + rounding) return TURN;
         if (miss > 0.0) low = h; else high = h;
         if (miss > 0.0 && h >= limit) return NO_TURN;
         double next = reach;
@@ -56,5 +60,6 @@ int film_find_turn(const film_curve *curve, const film_mesh *mesh, film_state *s
         if (k > 20 && high < INFINITY) next = middle;
         h = next < top ? next : top;
     }
+    if (fabs(last_miss) <= GAP * rounding) return TURN;
     return high < INFINITY ? TURN_BETWEEN : NO_TURN;
 }

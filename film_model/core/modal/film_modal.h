@@ -64,6 +64,7 @@ typedef struct {
     double speed, tolerance;          /* reference velocity for errors, in delta_s per unit of time; of a step */
     double last_force, last_slope;    /* of the force's cubic where the last step in contact ended */
     double spent, peak;               /* work done on the indentation and the rest compliance; largest F */
+    double deepest;                   /* largest x - sum w_n at a turn that a step passed */
     double h, tau;                    /* duration of the step, and time since it began */
     double force[FILM_NODES];         /* F at the nodes */
     double bend[FILM_BENDS];

@@ -41,13 +41,6 @@ static void from_powers(const double *powers, int degree, double *bernstein) {
     }
 }
 
-static void force_powers(const film_modal *s, double powers[NODES]) {
-    for (int k = 0; k < NODES; k++) {
-        powers[k] = 0.0;
-        for (int j = 0; j < NODES; j++) powers[k] += LAGRANGE[j][k] * s->force[j];
-    }
-}
-
 /* x - sum w_n at which the run ends in this direction; INFINITY: nowhere. */
 static double depth_of_edge(const film_curve *curve, const film_modal *s, int direction) {
     double edge = run_edge(curve, &s->contact, direction);
@@ -63,21 +56,38 @@ static int is_soft_turn(const film_curve *curve, const film_state *contact, int 
     return film_reload_exponent(curve, contact) == 0.0;
 }
 
+/* Where in the step the modes turn, near `at`, where the polynomial of `rate` does: high ones move within the step otherwise than it, and
+ * a flat maximum shows it. One step of Newton's method. */
+static double turn_of_modes(const film_structure *structure, film_modal *s, const double *waves, const double *rate, double at) {
+    double second[DEGREE - 1], x, v, w, u, t = at * s->h;
+    for (int k = 0; k < DEGREE - 1; k++) second[k] = (DEGREE - 1) * (rate[k + 1] - rate[k]);
+    film_ball_at(s, t, &x, &v);
+    for (int32_t i = 0; i < structure->modes; i++) {
+        film_moved_mode(structure, s, waves, i, t, &w, &u);
+        v -= u;
+    }
+    s->steps += CUT_WORK;
+    return at - v * s->h / film_bernstein(second, DEGREE - 2, at);
+}
+
 /* Sets the next event after `from` [0 .. 1 of the step] that the step passes: a turn, or the impactor's stop. */
-void film_next_event(const film_curve *curve, film_modal *s, double from) {
-    double bernstein[DEGREE + 1], powers[NODES], speed[NODES + 1], per = s->h / (s->unit * s->unit), at;
+void film_next_event(const film_structure *structure, const film_curve *curve, film_modal *s, const double *waves, double from) {
+    double depth[DEGREE + 1], bernstein[DEGREE + 1], powers[NODES], speed[NODES + 1], per = s->h / (s->unit * s->unit), at;
     s->event_at = INFINITY;
     if (s->kind != FILM_STEP_CONTACT || !(s->h > 0.0)) return;
     if (is_soft_turn(curve, &s->contact, s->contact.direction)) {
         rate_polynomial(s, s->contact.direction, bernstein);
         at = film_first_below(bernstein, DEGREE - 1, from);
         if (at < 1.0) {
+            film_depth_polynomial(s, depth);
+            if (s->contact.direction > 0 && film_bernstein(depth, DEGREE, at) > s->deepest)
+                at = fmin(fmax(turn_of_modes(structure, s, waves, bernstein, at), from), 1.0);
             s->event_at = at * s->h;
             s->event_kind = FILM_MAXIMUM_INDENTATION;
         }
     }
     if (!s->moving_in) return;
-    force_powers(s, powers);
+    film_force_powers(s, powers);
     speed[0] = s->v - s->stop;
     for (int k = 0; k < NODES; k++) speed[k + 1] = -per * powers[k] / (k + 1);
     speed[1] += per * s->load;
@@ -90,7 +100,7 @@ void film_next_event(const film_curve *curve, film_modal *s, double from) {
 }
 
 /* Handles the event at event_at, to which tau has advanced. */
-int film_soft_event(const film_curve *curve, film_modal *s) {
+int film_soft_event(const film_structure *structure, const film_curve *curve, film_modal *s, const double *waves) {
     double bernstein[DEGREE + 1], theta = s->event_at / s->h;
     int status;
     if (s->event_kind == FILM_IMPACTOR_STOPS) {
@@ -99,13 +109,14 @@ int film_soft_event(const film_curve *curve, film_modal *s) {
     } else {
         film_depth_polynomial(s, bernstein);
         double depth = film_bernstein(bernstein, DEGREE, theta);
+        s->deepest = fmax(s->deepest, depth);
         s->contact.xi = film_indentation(curve, &s->contact.line, s->rest, depth);
         s->contact.nu = 0.0;
         status = film_end_run(curve, &s->contact, ENDS_TURN);
         s->contact.force_peak = fmax(s->contact.force_peak, s->contact.elastic);
         s->peak = fmax(s->peak, s->contact.force_peak);
     }
-    film_next_event(curve, s, theta);
+    film_next_event(structure, curve, s, waves, theta);
     return status;
 }
 
@@ -123,9 +134,21 @@ static int is_inside(const film_curve *curve, const film_modal *s, const double 
     return inside;
 }
 
+/* Where, from `from` to `to` in the step, a damped contact on its way out is released; 2: nowhere. The cubic force falls below 0
+ * earlier where the law's vanishes without a change of sign. */
+static double find_release(const film_curve *curve, const film_modal *s, const double depth[DEGREE + 1], double from, double to) {
+    for (int k = 0; k <= NODES; k++) {
+        double at = k < NODES ? NODE_AT[k] : to;
+        if (!(at > from) || at > to) continue;
+        if (!film_pushes(curve, s, depth, at)) return film_push_changes(curve, s, depth, from, at);
+        from = at;
+    }
+    return 2.0;
+}
+
 /* Where in the step its run ends, and how: the first edge, turn or release after the turns that the step passes; 2: nowhere. */
 static double find_end(const film_curve *curve, film_modal *s, int *ends, int *direction) {
-    double depth[DEGREE + 1], bernstein[DEGREE + 1], powers[NODES], from = 0.0;
+    double depth[DEGREE + 1], bernstein[DEGREE + 1], from = 0.0;
     int d = s->contact.direction, damped = is_damped(curve, &s->contact);
     film_depth_polynomial(s, depth);
     int soft = !damped && is_soft_turn(curve, &s->contact, 1) && is_soft_turn(curve, &s->contact, -1);
@@ -145,14 +168,9 @@ static double find_end(const film_curve *curve, film_modal *s, int *ends, int *d
             best = at;
             *ends = ENDS_EDGE;
         }
-        if (d < 0 && damped) {
-            force_powers(s, powers);
-            from_powers(powers, NODES - 1, bernstein);
-            at = film_first_below(bernstein, NODES - 1, from);
-            if (at <= 1.0 && at <= best) {
-                best = at;
-                *ends = ENDS_RELEASE;
-            }
+        if (d < 0 && damped && (at = find_release(curve, s, depth, from, fmin(best, 1.0))) <= 1.0) {
+            best = at;
+            *ends = ENDS_RELEASE;
         }
         if (best > 1.0 || *ends != ENDS_TURN || !is_soft_turn(curve, &s->contact, d)) return best;
         from = best;
@@ -161,18 +179,20 @@ static double find_end(const film_curve *curve, film_modal *s, int *ends, int *d
     return 2.0;
 }
 
+/* The second derivative of x - sum w_n at the end of the step. */
+static double second_rate(const film_modal *s) {
+    double depth[DEGREE + 1];
+    film_depth_polynomial(s, depth);
+    return DEGREE * (DEGREE - 1) * (depth[DEGREE] - 2.0 * depth[DEGREE - 1] + depth[DEGREE - 2]) / (s->h * s->h);
+}
+
 /* By how much the step should be longer to end at the event. */
 static double correction(const film_curve *curve, const film_modal *s, int ends, int direction) {
-    double rate = s->end_v - s->end_rate, depth = s->end_x - s->end_shift, bernstein[DEGREE + 1], powers[NODES];
+    double rate = s->end_v - s->end_rate, depth = s->end_x - s->end_shift;
     if (ends == ENDS_EDGE) return (depth_of_edge(curve, s, direction) - depth) / rate;
-    if (ends == ENDS_TURN) {
-        film_depth_polynomial(s, bernstein);
-        double second = DEGREE * (DEGREE - 1) * (bernstein[DEGREE] - 2.0 * bernstein[DEGREE - 1] + bernstein[DEGREE - 2]);
-        return -rate * s->h * s->h / second;
-    }
-    force_powers(s, powers);
-    double slope = (powers[1] + 2.0 * powers[2] + 3.0 * powers[3]) / s->h;
-    return -film_law_on(curve, &s->contact.line, depth, rate * s->unit).force / slope;
+    if (ends == ENDS_TURN) return -rate / second_rate(s);
+    film_at at = film_law_on(curve, &s->contact.line, depth, rate * s->unit);
+    return -at.force / (at.by_xi * rate + at.by_nu * s->unit * second_rate(s));
 }
 
 /* A step of no duration: the event happens here. */
@@ -284,6 +304,6 @@ int film_plan_contact(film_structure *structure, const film_curve *curve, film_m
     if (at <= 1.0) status = cut(structure, curve, s, waves, at, ends, direction);
     else if (GROWTH * error < s->tolerance && s->level > 0) s->level--;
     if (status < 0) return status;
-    film_next_event(curve, s, 0.0);
+    film_next_event(structure, curve, s, waves, 0.0);
     return FILM_OK;
 }

@@ -23,7 +23,7 @@ enum { JUMP_WORK = 8 };
 /* A touch is sought to this fraction of the march's unit of time. */
 static const double LANDING = 1e-12;
 
-enum { TOUCH_STEPS = 8, DENT_SAMPLES = 16, DENT_HALVINGS = 50 };
+enum { TOUCH_STEPS = 8, DENT_SAMPLES = 16 };
 
 /* A bound on the error of the interpolation over a step of this level. */
 static double blur_of(const film_structure *structure, const double *amplitude, int32_t level) {
@@ -110,26 +110,11 @@ void film_end_jump(const film_structure *structure, film_modal *s, double *waves
     film_ball_at(s, h, &s->end_x, &s->end_v);
 }
 
-/* Whether a damped contact begins at this point of the flight, inside its dent. */
-static int grips(const film_curve *curve, const film_modal *s, const double depth[DEGREE + 1], double theta) {
-    film_state at = s->contact;
-    double rate[DEGREE + 1];
-    for (int k = 0; k < DEGREE; k++) rate[k] = DEGREE * (depth[k + 1] - depth[k]);
-    at.xi = film_bernstein(depth, DEGREE, theta);
-    at.nu = film_bernstein(rate, DEGREE - 1, theta) * s->unit / s->h;
-    return at.xi > at.xi_free && film_release_margin(curve, &at) > 0.0;
-}
-
-/* The same contact begins within the flight's step: where, 2 if nowhere. */
+/* Where a damped contact begins within the flight's step, inside its dent; 2: nowhere. */
 static double find_grip(const film_curve *curve, const film_modal *s, const double depth[DEGREE + 1]) {
     for (int k = 1; k <= DENT_SAMPLES; k++) {
-        double low = (k - 1.0) / DENT_SAMPLES, high = (double)k / DENT_SAMPLES;
-        if (!grips(curve, s, depth, high)) continue;
-        for (int i = 0; i < DENT_HALVINGS; i++) {
-            double middle = 0.5 * (low + high);
-            if (grips(curve, s, depth, middle)) high = middle; else low = middle;
-        }
-        return high;
+        double at = (double)k / DENT_SAMPLES;
+        if (film_pushes(curve, s, depth, at)) return film_push_changes(curve, s, depth, (k - 1.0) / DENT_SAMPLES, at);
     }
     return 2.0;
 }

@@ -92,12 +92,11 @@ void film_ball_at(const film_modal *s, double tau, double *x, double *v) {
     *x = s->x;
     if (s->kind == FILM_STEP_REST) return;
     if (s->kind == FILM_STEP_CONTACT) {
-        double theta = tau / s->h, power = tau;
+        double theta = tau / s->h, power = tau, of[NODES];
+        film_force_powers(s, of);
         for (int k = 0; k < NODES; k++) {
-            double part = 0.0;
-            for (int j = 0; j < NODES; j++) part += LAGRANGE[j][k] * s->force[j];
-            gained -= part * power / (k + 1);
-            moved -= part * power * tau / ((k + 1) * (k + 2));
+            gained -= of[k] * power / (k + 1);
+            moved -= of[k] * power * tau / ((k + 1) * (k + 2));
             power *= theta;
         }
     }
@@ -106,18 +105,35 @@ void film_ball_at(const film_modal *s, double tau, double *x, double *v) {
 }
 
 double film_force_at(const film_modal *s, double theta) {
-    double force = 0.0;
-    for (int j = 0; j < NODES; j++) {
-        const double *of = LAGRANGE[j];
-        force += s->force[j] * (of[0] + theta * (of[1] + theta * (of[2] + theta * of[3])));
-    }
-    return force;
+    double of[NODES];
+    film_force_powers(s, of);
+    return of[0] + theta * (of[1] + theta * (of[2] + theta * of[3]));
 }
 
 /* x - sum w_n over the step, as Bernstein coefficients. */
 void film_depth_polynomial(const film_modal *s, double bernstein[DEGREE + 1]) {
     double depth = s->x - s->shift, slope = (s->v - s->rate) * s->h / DEGREE;
     for (int k = 0; k <= DEGREE; k++) bernstein[k] = depth + k * slope + (k >= 2 ? s->bend[k - 2] : 0.0);
+}
+
+int film_pushes(const film_curve *curve, const film_modal *s, const double depth[DEGREE + 1], double theta) {
+    film_state at = s->contact;
+    double rate[DEGREE + 1];
+    for (int k = 0; k < DEGREE; k++) rate[k] = DEGREE * (depth[k + 1] - depth[k]);
+    at.xi = film_bernstein(depth, DEGREE, theta);
+    at.nu = film_bernstein(rate, DEGREE - 1, theta) * s->unit / s->h;
+    if (at.branch == FILM_FREE && !(at.xi > at.xi_free)) return 0;
+    at.xi = fmax(at.xi, CREPT); /* where f and c are not both 0 */
+    return film_release_margin(curve, &at) > 0.0;
+}
+
+double film_push_changes(const film_curve *curve, const film_modal *s, const double depth[DEGREE + 1], double low, double high) {
+    int after = film_pushes(curve, s, depth, high);
+    for (int i = 0; i < HALVINGS; i++) {
+        double middle = 0.5 * (low + high);
+        if (film_pushes(curve, s, depth, middle) == after) high = middle; else low = middle;
+    }
+    return high;
 }
 
 /* ---------------------------------------------------------------- the step */
@@ -155,8 +171,7 @@ static void set_equations(const film_structure *structure, const film_modal *s, 
                           double h, film_equations *e) {
     double w[NODES], u[NODES] = {0.0}, per = 1.0 / (s->unit * s->unit);
     const double *begin = waves + begins_at(structure, s);
-    film_loops_of(structure)->free_sums(structure, table, begin, w);
-    if (s->contact.damper > 0.0) film_loops_of(structure)->free_rates(structure, table, begin, u);
+    film_loops_of(structure)->free_sums(structure, table, begin, w, s->kind == FILM_STEP_CONTACT && s->contact.damper > 0.0 ? u : NULL);
     for (int i = 0; i < NODES; i++) {
         double t = NODE_AT[i] * h;
         e->depth[i] = s->x + t * (s->v + 0.5 * per * s->load * t) - w[i];

@@ -4,7 +4,7 @@
 
 #include <string.h>
 
-enum { WIDE = 8, CHUNK = 32, SERIES = 17 };
+enum { WIDE = 8, BLOCK = 64, CHUNK = 32, SERIES = 17 };
 
 /* Up to this phase the reduction below is exact to the last bit. */
 static const double LARGEST_PHASE = 1e5;
@@ -27,39 +27,42 @@ static double total(const lanes parts[PARTS]) {
 
 /* ---------------------------------------------------------------- a step */
 
-static void free_sums(const film_structure *structure, const film_table *table, const double *begin, double moved[NODES]) {
-    size_t n = (size_t)structure->modes, whole = n - n % WIDE;
+/* Adds to the sums of the parts from `from` to `to`; rated: of w_n' too. A part at a time keeps its sums in registers. */
+static inline void add_free(const film_structure *structure, const film_table *table, const double *begin, size_t from, size_t to,
+                            int rated, lanes moved[NODES][PARTS], lanes rates[NODES][PARTS]) {
+    size_t n = (size_t)structure->modes;
     const double *w = begin, *u = begin + n, *c = table->node_cos, *s = table->node_sin;
-    lanes sum[NODES][PARTS] = {{{0.0}}};
-    for (size_t i = 0; i < whole; i += WIDE) {
-        for (int k = 0; k < PARTS; k++) {
-            size_t m = i + (size_t)(k * LANES);
-            lanes a = AT(w, m), b = AT(u, m);
-            sum[0][k] += a * AT(c, m) + b * AT(s, m);
-            sum[1][k] += a * AT(c, n + m) + b * AT(s, n + m);
-            sum[2][k] += a * AT(c, 2 * n + m) + b * AT(s, 2 * n + m);
-            sum[3][k] += a * AT(c, 3 * n + m) + b * AT(s, 3 * n + m);
-        }
-    }
-    for (int at = 0; at < NODES; at++) moved[at] = total(sum[at]);
-    for (int at = 0; at < NODES; at++)
-        for (size_t i = whole, k = (size_t)at * n + whole; i < n; i++, k++) moved[at] += w[i] * c[k] + u[i] * s[k];
-}
-
-static void free_rates(const film_structure *structure, const film_table *table, const double *begin, double rate[NODES]) {
-    size_t n = (size_t)structure->modes, whole = n - n % WIDE;
-    const double *w = begin, *u = begin + n, *square = structure->square, *drag = structure->drag;
-    for (int at = 0; at < NODES; at++) {
-        const double *c = table->node_cos + (size_t)at * n, *s = table->node_sin + (size_t)at * n;
-        lanes sum[PARTS] = {{0.0}};
-        for (size_t i = 0; i < whole; i += WIDE) {
-            for (int k = 0; k < PARTS; k++) {
-                size_t m = i + (size_t)(k * LANES);
-                sum[k] += AT(u, m) * (AT(c, m) - AT(drag, m) * AT(s, m)) - AT(square, m) * AT(w, m) * AT(s, m);
+    for (int k = 0; k < PARTS; k++) {
+        lanes sum[NODES], rate[NODES];
+        for (int at = 0; at < NODES; at++) sum[at] = moved[at][k], rate[at] = rates[at][k];
+        for (size_t m = from + (size_t)(k * LANES); m < to; m += WIDE) {
+            lanes a = AT(w, m), b = AT(u, m), pull = AT(structure->square, m) * a + AT(structure->drag, m) * b;
+            for (int at = 0; at < NODES; at++) {
+                lanes cosine = AT(c, (size_t)at * n + m), sine = AT(s, (size_t)at * n + m);
+                sum[at] += a * cosine + b * sine;
+                if (rated) rate[at] += b * cosine - pull * sine;
             }
         }
-        rate[at] = total(sum);
-        for (size_t i = whole; i < n; i++) rate[at] += u[i] * (c[i] - drag[i] * s[i]) - square[i] * w[i] * s[i];
+        for (int at = 0; at < NODES; at++) moved[at][k] = sum[at], rates[at][k] = rate[at];
+    }
+}
+
+static void free_sums(const film_structure *structure, const film_table *table, const double *begin, double moved[NODES], double *rate) {
+    size_t n = (size_t)structure->modes, whole = n - n % WIDE;
+    const double *w = begin, *u = begin + n, *c = table->node_cos, *s = table->node_sin;
+    lanes sum[NODES][PARTS] = {{{0.0}}}, rates[NODES][PARTS] = {{{0.0}}};
+    for (size_t from = 0; from < whole; from += BLOCK) {
+        size_t to = from + BLOCK < whole ? from + BLOCK : whole;
+        if (rate != NULL) add_free(structure, table, begin, from, to, 1, sum, rates);
+        else add_free(structure, table, begin, from, to, 0, sum, rates);
+    }
+    for (int at = 0; at < NODES; at++) {
+        moved[at] = total(sum[at]);
+        for (size_t i = whole, k = (size_t)at * n + whole; i < n; i++, k++) moved[at] += w[i] * c[k] + u[i] * s[k];
+        if (rate == NULL) continue;
+        rate[at] = total(rates[at]);
+        for (size_t i = whole, k = (size_t)at * n + whole; i < n; i++, k++)
+            rate[at] += u[i] * c[k] - (structure->square[i] * w[i] + structure->drag[i] * u[i]) * s[k];
     }
 }
 
@@ -224,4 +227,4 @@ static void fill(const film_structure *structure, const film_table *table, doubl
 #define FILM_LOOPS film_loops_plain
 #endif
 
-const film_loops FILM_LOOPS = {free_sums, free_rates, move, fill};
+const film_loops FILM_LOOPS = {free_sums, move, fill};

@@ -44,11 +44,10 @@ typedef struct {
     double *nodes, *node_rates;   /* [NODES][NODES]: sums over the modes of the responses at node i to the force at node j */
 } film_table;
 
-/* film_modal_loops.c, for one instruction set. free_sums: sums of w_n at the nodes without a force; free_rates: of w_n'. move: w_n
- * and w_n' at the end of the step under the force sum p_k theta^k/k!, from `begin` to `end`; their sums. fill: a table. */
+/* film_modal_loops.c, for one instruction set. free_sums: sums of w_n at the nodes without a force and, unless rate is NULL, of w_n'. move:
+ * w_n and w_n' at the end of the step under the force sum p_k theta^k/k!, from `begin` to `end`; their sums. fill: a table. */
 typedef struct {
-    void (*free_sums)(const film_structure *structure, const film_table *table, const double *begin, double moved[NODES]);
-    void (*free_rates)(const film_structure *structure, const film_table *table, const double *begin, double rate[NODES]);
+    void (*free_sums)(const film_structure *structure, const film_table *table, const double *begin, double moved[NODES], double *rate);
     void (*move)(const film_structure *structure, const film_table *table, const double *begin, double *end, const double p[NODES],
                  double sums[2]);
     void (*fill)(const film_structure *structure, const film_table *table, double h);
@@ -70,6 +69,7 @@ static inline size_t ends_at(const film_structure *structure, const film_modal *
 /* film_modal_table.c. responses[k + 2]: of w at time t to the force theta^k/k!, k = 0 .. 3; at 0 and 1 (k = -2, -1) the
  * derivatives w' and w of the response to an impulse. */
 void film_responses(double square, double drag, double t, double responses[RESPONSES]);
+void film_force_powers(const film_modal *s, double powers[NODES]); /* of the cubic force, of the place in the step, 0 .. 1 */
 void film_force_cubic(const film_modal *s, double p[NODES]);
 film_table film_table_at(const film_structure *structure, int32_t level);
 film_table film_level_table(film_structure *structure, int32_t level);
@@ -98,6 +98,10 @@ int film_take_step(const film_structure *structure, film_modal *s, double *waves
 void film_depth_polynomial(const film_modal *s, double bernstein[DEGREE + 1]);
 void film_ball_at(const film_modal *s, double tau, double *x, double *v);
 double film_force_at(const film_modal *s, double theta);
+/* Whether a damped law pushes at a place in the step whose depth is given as a polynomial, a little inside the contact even where it ends;
+ * in flight, whether it does so inside the dent. Then where between two places that changes. */
+int film_pushes(const film_curve *curve, const film_modal *s, const double depth[DEGREE + 1], double theta);
+double film_push_changes(const film_curve *curve, const film_modal *s, const double depth[DEGREE + 1], double low, double high);
 
 /* film_modal_stretch.c: the forces of a step, contact's and membrane's, which depend on each other: as film_try_step, whose error
  * grows by that of the membrane forces. Then what they do to the modes at the end of the step, and t after its beginning. */
@@ -113,8 +117,8 @@ void film_stretched_mode(const film_structure *structure, const double *waves, i
 
 /* film_modal_contact.c */
 int film_plan_contact(film_structure *structure, const film_curve *curve, film_modal *s, double *waves);
-void film_next_event(const film_curve *curve, film_modal *s, double from);
-int film_soft_event(const film_curve *curve, film_modal *s);
+void film_next_event(const film_structure *structure, const film_curve *curve, film_modal *s, const double *waves, double from);
+int film_soft_event(const film_structure *structure, const film_curve *curve, film_modal *s, const double *waves);
 
 /* film_modal.c */
 enum { EVENT_WORK = 8 }; /* an event takes as long as this many steps: to find it, and to record it */

@@ -61,13 +61,19 @@ void film_responses(double square, double drag, double t, double y[RESPONSES]) {
     }
 }
 
+void film_force_powers(const film_modal *s, double powers[NODES]) {
+    for (int k = 0; k < NODES; k++) {
+        powers[k] = 0.0;
+        for (int j = 0; j < NODES; j++) powers[k] += LAGRANGE[j][k] * s->force[j];
+    }
+}
+
 /* The step's force per mass, in the unit of time, as sum p_k theta^k/k!; 0 in flight. */
 void film_force_cubic(const film_modal *s, double p[NODES]) {
-    double per = s->mass / (s->unit * s->unit);
+    double per = s->mass / (s->unit * s->unit), powers[NODES];
+    film_force_powers(s, powers);
     for (int k = 0; k < NODES; k++) {
-        double part = 0.0;
-        for (int j = 0; j < NODES; j++) part += LAGRANGE[j][k] * s->force[j];
-        p[k] = s->kind == FILM_STEP_CONTACT ? part * FACTORIAL[k] * per : 0.0;
+        p[k] = s->kind == FILM_STEP_CONTACT ? powers[k] * FACTORIAL[k] * per : 0.0;
         per /= s->h;
     }
 }

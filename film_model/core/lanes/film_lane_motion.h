@@ -92,7 +92,7 @@ static void force_on_curve(const film_curve *curve, const film_line *run, double
 static void moving_force(const moving_lanes *restrict s, const double *restrict xi, const double *restrict nu, double *restrict force,
                          double *restrict slope) {
     const law_cubics *law = s->m->law;
-    double c[LANES];
+    double c[LANES] = {0.0};
     if (!law) {
         force_on_curve(s->m->curve, &s->run, xi[0], force, slope, c);
     } else {

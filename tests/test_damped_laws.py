@@ -321,6 +321,12 @@ def with_mass(law, speed, mass):
     return fm.Scene(ball, fm.HalfSpace(), contact=fm.Contact(law), effects=fm.Effects(gravity=False))
 
 
+@pytest.mark.parametrize("inverse", [spring_ratio, hunt_crossley_strength])
+@pytest.mark.parametrize("values", [[], [0.9, 0.5], [0.1, 0.02], [1.0, 0.9, 0.05, math.exp(-2.0)]])
+def test_damping_of_many_restitutions(inverse, values):
+    assert inverse(np.array(values)) == pytest.approx([inverse(value) for value in values], rel=1e-12)
+
+
 def test_rounding_moves_no_turn():
     """The turn of 7 of 300 velocities that differ by rounding was 8e-9 of its time elsewhere: rounding of the length to
     it was taken for a jump that no line ends at."""

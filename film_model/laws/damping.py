@@ -63,7 +63,7 @@ def spring_ratio(restitution: Any) -> Any:
     near = 1e-9  # distance from the end of an interval at which a limit of 0/0 is reached to the last digit
     wanted = -logarithm(greater(restitution, spring_restitution(_STRONGEST)))
     under = wanted < 2.0
-    if any_of(under) != all_of(under):
+    if any_of(under) and not all_of(under):
         found = np.empty(wanted.shape)
         found[under], found[~under] = spring_ratio(restitution[under]), spring_ratio(restitution[~under])
         return found

@@ -33,7 +33,7 @@ static void put_cubic(const film_function *at_a, const film_function *at_b, doub
 }
 
 int film_make_cubics(const film_curve *curve, law_cubics *to) {
-    int64_t rows = 0;
+    int64_t rows = 0, room = curve->stage[0].damped ? DAMPED_ROWS : CUBIC_ROWS;
     if (curve->compliance != 0.0 || curve->pull > 0.0) return 0;
     to->stages = curve->stages, to->damped = curve->stage[0].damped;
     for (int32_t k = 0; k < curve->stages; k++) {
@@ -41,7 +41,7 @@ int film_make_cubics(const film_curve *curve, law_cubics *to) {
         double begin = to->begin[k] = stage->begin, length = fmin(stage->end, CUBIC_MOST) - begin;
         double least = to->least[k] = begin > 0.0 ? LEAST_BEYOND * begin : CUBIC_LEAST;
         int64_t first = interval_of(least), last = interval_of(length);
-        if (!(length > least) || rows + last - first >= CUBIC_ROWS) return 0;
+        if (!(length > least) || rows + last - first >= room) return 0;
         to->most = begin + length;
         to->first[k] = first - rows;
         for (int64_t i = first; i <= last; i++, rows++) {

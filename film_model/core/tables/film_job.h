@@ -91,12 +91,12 @@ typedef struct {
     double damping[DAMPED_ROWS][4]; /* of the only stage */
 } law_cubics;
 
-/* 0: there are none, of a law that pulls, is in series with a spring, or has many stages. */
+/* Returns 1; or 0 if the law pulls, is in series with a spring, or needs more cubics than there is room for. */
 int film_make_cubics(const film_curve *curve, law_cubics *to);
 
 /* What motions of impacts in lanes are from, and where they go: at ascending times, values of impact i from i samples on. law: NULL of one
- * impact that has a curve of its own. legs: as of film_motions_many. kink: 1 if the slope of the law jumps where its first stage ends. slope: of the force without damping; NULL if the law
- * yields. */
+ * impact that has a curve of its own. legs: as of film_motions_many. kink: 1 if the slope of the law jumps where its
+ * first stage ends. slope: of the force without damping; NULL if the law yields. */
 typedef struct {
     const film_curve *curve;
     const law_cubics *law;

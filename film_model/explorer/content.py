@@ -120,7 +120,8 @@ class Content:
             "map": regime_map(),
             "intervals": _intervals(),
             "layout": layout(),
-            **{"edges": SUPPORTS, "plate_ways": support.plate_ways()},
+            "edges": SUPPORTS,
+            "plate_ways": support.plate_ways(),
             "constants": _constants(),
         }
 
@@ -310,7 +311,8 @@ def layout() -> dict[str, Any]:
     return found | {
         "curve": ctypes.sizeof(native.Curve),
         "most_segments": MOST_SEGMENTS,
-        **{"events": native.EVENTS, "asks": refining.ASKS},
+        "events": native.EVENTS,
+        "asks": refining.ASKS,
         "whole": [own[0] for kind in WHOLE for own in kind._fields_ if own[1] is ctypes.c_int32],
         "levels": modal.LEVELS,
     }

@@ -50,7 +50,7 @@ class Structure:
 
     @cached_property
     def raised(self) -> tuple[Array, float]:
-        """The frequencies with their errors, and what the modes then lack, as of :func:`ritz.raised`."""
+        """The frequencies with their errors, and what the modes then lack, as of :func:`ritz_errors.raised`."""
         return raised(self.inexact, self.tables.frequency, self.tables.share, self.highest)
 
     @property
